@@ -98,8 +98,9 @@ def _left_arm():
         ("Arm", "Shoulder", shoulder),
         ("ForeArm", "Arm", elbow),
         ("Hand", "ForeArm", wrist),
+        ("Elbow", "Arm", elbow),  # takes half the fore arm's turn
     ]
-    tips = {}
+    tips = {"Elbow": elbow - vec(0, 0, 0.035)}
     for finger in FINGERS:
         (a, b, c), lengths, spread = _KNUCKLES[finger]
         p = wrist + a * along + b * thumb + c * palm

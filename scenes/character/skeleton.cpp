@@ -2,9 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <string>
+
 #include "scenes/files/error.h"
 
 namespace taut::scenes {
+namespace {
+
+constexpr std::string_view elbow = "Elbow";
+
+}  // namespace
 
 Skeleton::Skeleton(const Model& model) : model_(model) {
   for (const Bone& bone : model.bones) {
@@ -17,6 +24,9 @@ Skeleton::Skeleton(const Model& model) : model_(model) {
     parent_.push_back(bone.parent);
     rest_.push_back(world.position);
     rest_rotation_.push_back(world.rotation);
+    const bool halves = bone.name.ends_with(elbow);
+    const std::string side = bone.name.substr(0, bone.name.size() - halves * elbow.size());
+    halves_.push_back(halves ? model.bone(side + "ForeArm") : -1);
   }
 }
 
@@ -39,7 +49,11 @@ Placement Skeleton::place(const Posture& posture) const {
     } else {
       const auto p = static_cast<std::size_t>(parent_[i]);
       placed.position[i] = placed.position[p] + placed.turn[p] * (rest_[i] - rest_[p]);
-      placed.turn[i] = placed.turn[p] * posture.turn[i];
+      const Quat own =
+          halves_[i] < 0
+              ? posture.turn[i]
+              : Quat::Identity().slerp(0.5, posture.turn[static_cast<std::size_t>(halves_[i])]);
+      placed.turn[i] = placed.turn[p] * own;
     }
   }
   return placed;

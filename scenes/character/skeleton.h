@@ -22,6 +22,8 @@ struct Posture {
   Vec3 shift = Vec3::Zero();
 };
 
+/// Forward kinematics. An elbow's bone, which carries the cloth over the joint, takes half the turn
+/// of the fore arm, so that a bent sleeve is round where a blend of two bones would cut its corner.
 class Skeleton {
  public:
   explicit Skeleton(const Model& model);
@@ -43,6 +45,7 @@ class Skeleton {
  private:
   const Model& model_;
   std::vector<int> parent_;
+  std::vector<int> halves_;  // per bone the one whose turn it takes half of, or -1
   std::vector<Vec3> rest_;
   std::vector<Quat> rest_rotation_;
 };

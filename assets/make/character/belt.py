@@ -25,7 +25,7 @@ def _turns():
     angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)[:, None]
     v, high, tint = _across(_HALF)
     places = np.concatenate([[-_HALF], v - 0.002, [v[-1] - 0.0016, _HALF, _HALF]])
-    over = np.concatenate([[-0.004], 0.0128 + high, [0.0098, 0.0092, -0.004]])
+    over = np.concatenate([[-0.004], 0.0088 + high, [0.0060, 0.0055, -0.004]])
     tint = np.concatenate([[0.6], tint, [0.55, 1.0, 0.6]])
     pull = 0.0012 * np.sin(3 * angle + 1) + 0.0008 * np.sin(7 * angle)
     y = np.full((len(angle), len(places)), jacket_shape.BELT)

@@ -73,7 +73,7 @@ def _folds(p):
     fan, far = np.arctan2(v[:, 0], v[:, 1] + 0.3 * v[:, 2]), np.linalg.norm(v, axis=1)
     drawn = np.abs(np.sin(3.7 * fan + 0.6 * np.sin(4 * fan + 25 * far) + 0.4)) ** 0.7 - 0.6
     crown = crown + 2.4 * drawn * ramp(0.012, 0.03, up) * ramp(0.03, 0.07, far) * ramp(0.19, 0.09, far)
-    return 0.0011 * near * pucker + 0.0042 * behind * drape - 0.0008 * seam + 0.0004 * side + 0.0010 * crown
+    return 0.0011 * near * pucker + 0.0042 * behind * drape - 0.0008 * seam + 0.0004 * side + 0.0005 * crown
 
 
 def outside(p):

@@ -97,13 +97,13 @@ def _waist():
     """Cloth that the belt gathers rises from it in short folds, and is blown out over it."""
     rng = np.random.default_rng(11)
     out = []
-    for k in range(30):
-        angle = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / 30
+    for k in range(22):
+        angle = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / 22
         a, b, c = jacket_shape.section(1.07)
         start = vec(np.cos(angle) * a, BELT + 0.027, c + np.sin(angle) * b)
         long, lean = rng.uniform(0.035, 0.105), rng.uniform(-0.022, 0.022)
         end = start + vec(-np.sin(angle) * lean, long, np.cos(angle) * lean)
-        out.append(Fold(between(smooth, start, end, count=5), 0.0030 + 0.032 * long, 0.0085, (0.75, 0)))
+        out.append(Fold(between(smooth, start, end, count=5), 0.0022 + 0.018 * long, 0.0135, (0.75, 0)))
     return out
 
 
@@ -111,13 +111,13 @@ def _front():
     """On the left panel, which the belt holds down: folds from the breast to the knot."""
     out = []
     for start, end, bow, high in (
-        ((0.150, 1.225, 0.120), (0.055, 1.065, 0.125), (0.012, 0, 0.01), 0.0058),
+        ((0.150, 1.225, 0.120), (0.055, 1.065, 0.125), (0.012, 0, 0.01), 0.0050),
         ((0.105, 1.215, 0.130), (0.030, 1.075, 0.130), (0.008, 0, 0.01), 0.0045),
-        ((0.172, 1.150, 0.090), (0.105, 1.060, 0.115), (0.010, 0, 0.01), 0.0052),
-        ((-0.150, 1.235, 0.115), (-0.085, 1.062, 0.120), (-0.012, 0, 0.01), 0.0058),
-        ((-0.172, 1.170, 0.085), (-0.125, 1.060, 0.105), (-0.008, 0, 0.01), 0.0050),
+        ((0.172, 1.150, 0.090), (0.105, 1.060, 0.115), (0.010, 0, 0.01), 0.0042),
+        ((-0.150, 1.235, 0.115), (-0.085, 1.062, 0.120), (-0.012, 0, 0.01), 0.0050),
+        ((-0.172, 1.170, 0.085), (-0.125, 1.060, 0.105), (-0.008, 0, 0.01), 0.0040),
     ):
-        out.append(Fold(between(smooth, start, end, bow), high, 0.0140, (0, 0.7)))
+        out.append(Fold(between(smooth, start, end, bow), high, 0.0150, (0, 0.4)))
     return out
 
 
@@ -126,10 +126,10 @@ def _free(p):
     would meet), stiffened by the lapels and the cuffs."""
     q, y = mirrored(p), p[:, 1]
     belt = 1.05 * np.exp(-(((y - BELT) / 0.022) ** 2)) * (q[:, 0] < 0.25)
-    shoulders = 0.8 * ramp(1.42, 1.47, y) + np.exp(-np.sum(((q - vec(0.265, 1.440, -0.01)) / vec(0.070, 0.055, 0.06)) ** 2, axis=1))
+    shoulders = 0.8 * ramp(1.42, 1.47, y) + np.exp(-np.sum(((q - vec(0.285, 1.408, -0.01)) / vec(0.080, 0.065, 0.080)) ** 2, axis=1))
     left = np.abs(p[:, 0] - jacket_shape.lapel_centre(y))
     right = np.where(y > 1.2, np.abs(p[:, 0] + jacket_shape.lapel_centre(y)), 1)
     lapel = ramp(0.052, 0.026, np.minimum(left, right)) * (p[:, 2] > 0.03)
     cuff = 0.8 * ramp(0.13, 0.18, (q - _ELBOW) @ _FORE)
-    pit = 1.3 * np.exp(-np.sum(((q - PIT) / vec(0.050, 0.050, 0.068)) ** 2, axis=1))
+    pit = 1.3 * np.exp(-np.sum(((q - PIT) / vec(0.050, 0.058, 0.068)) ** 2, axis=1))
     return np.clip(1 - belt - shoulders - lapel - cuff - pit, 0, 1)

@@ -48,8 +48,9 @@ def _path(last):
     return line[(line[:, 1] > last) | (line[:, 2] < 0)]
 
 
-def _strip(name, material, distances, height, tint, last, thick):
-    """A strip along the lapels; `height` (points, side) -> m over what it lies on, per distance."""
+def _strip(name, material, distances, height, tint, last, thick, shown=None):
+    """A strip along the lapels; `height` (points, side) -> m over what it lies on, per distance; `shown` (line) -> what
+    share of it there is beyond the free edge."""
     left, right = _path(last[0]), _path(last[1]) * vec(-1, 1, 1)
     line = np.concatenate([right[:0:-1], left])
     way = np.gradient(line, axis=0)
@@ -58,11 +59,15 @@ def _strip(name, material, distances, height, tint, last, thick):
     aside = np.cross(up, way)  # on the left half away from the free edge
     side = np.r_[-np.ones(len(right) - 1), np.ones(len(left))]
     aside /= np.linalg.norm(aside, axis=1, keepdims=True)
-    grid = line[:, None] + (distances - LAPEL)[None, :, None] * aside[:, None]
+    across = np.tile(distances, (len(line), 1))
+    if shown is not None:
+        share = shown(line)[:, None]
+        across = np.where(across < 0, across * share + 0.0050 * (1 - share), across)
+    grid = line[:, None] + (across - LAPEL)[:, :, None] * aside[:, None]
     # Across the neck the free edge is above on both halves.
     flat = nets.project(lying, grid.reshape(-1, 3), 0.05, 5)
     facing = nets.normals(lying, flat, 0.003)
-    base = height(flat, np.repeat(side, len(distances)), np.tile(distances, len(line)))
+    base = height(flat, np.repeat(side, len(distances)), across.ravel())
     relief, tints = tint(distances)
     plain = (flat + facing * base[:, None]).reshape(grid.shape)
     outer = plain + facing.reshape(grid.shape) * relief[None, :, None]
@@ -94,4 +99,7 @@ def under_collar():
     def tint(distance):
         return np.zeros(len(distance)), 1 - 0.25 * np.exp(-(((distance + 0.0115) / 0.0014) ** 2))
 
-    return _strip("Collar", "Collar", across, height, tint, (1.19, 1.19), 0.0022)
+    def shown(line):  # not beside the neck, where it would come out as the head turns
+        return 0.05 + 0.95 * ramp(1.465, 1.440, line[:, 1]) * ramp(0.0, 0.03, line[:, 2])
+
+    return _strip("Collar", "Collar", across, height, tint, (1.19, 1.19), 0.0022, shown)

@@ -4,7 +4,7 @@ import numpy as np
 import occlusion
 import skeleton
 from character import belt, brows, eyes, face, guard, hand_paint, hands, hanging, head, headband, hood, jacket, jacket_shape, mask, nails, sewing, skirt, tabi, trousers, wraps
-from character.strain import both, ease, pose
+from character.strain import both, ease, pose, untangle
 from character.weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 from mesh import mirror, sculpt, smoothing
 from nets import evaluate
@@ -36,6 +36,7 @@ def _arms(above, forward, bent):
         "Shoulder": [((0, 0, 1), up / 3)],
         "Arm": [((0, 0, 1), up * 2 / 3), ((0, 1, 0), -ahead)],
         "ForeArm": [(hinge, flexed)],
+        "Elbow": [(hinge, flexed / 2)],
     }
     return pose(both(turns))
 
@@ -47,8 +48,9 @@ def _trunk(left, forward):
 
 
 # The poses worn by the jacket: arms from the sides to straight up, a turned and bent trunk.
-_WORN = [_arms(*a) for a in ((0, 0, 0), (0, 60, 0), (45, 0, 0), (45, 60, 60), (90, 0, 0), (-75, 10, 90))]
+_WORN = [_arms(*a) for a in ((0, 0, 0), (0, 60, 130), (45, 0, 0), (45, 60, 60), (90, 0, 0), (-75, 10, 90))]
 _WORN += [_trunk(10, 8), _trunk(-10, 8)]
+_RAISED = [_arms(*a) for a in ((45, 0, 0), (60, 60, 0), (90, 0, 0))]
 
 
 def _clothed(p):
@@ -76,7 +78,7 @@ def _parts():
 
     hand, nail, cover = hands.build(), nails.build(), guard.build()
     shins = wraps.build()
-    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 620, 0.025)
+    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 570, 0.025)
     sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 150, 0.025)
     return [
         sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 2200, 0.012, head.detail, _bare),
@@ -93,7 +95,7 @@ def _parts():
         mirror(sole, "SoleR"),
         sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0044, 4500, 0.040),
         sculpt(
-            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 1700, 0.045,
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 1500, 0.045,
             None, lambda p: (evaluate(jacket_shape.smooth, p) > -0.02) | (p[:, 1] < 0.86),
         ),
         *shins,
@@ -135,7 +137,7 @@ def _weigh(part, heat):
 
 def _stiffen_face(part, dense):
     p = part.points
-    t = np.clip((p[:, 1] + 0.35 * (p[:, 2] - 0.0) - 1.535) / 0.045, 0, 1)
+    t = np.clip((p[:, 1] + 0.35 * (p[:, 2] - 0.0) - 1.495) / 0.090, 0, 1)
     t = (t * t * (3 - 2 * t))[:, None]
     return dense * (1 - t) + rigid(len(p), "Head") * t
 
@@ -153,14 +155,29 @@ def _drape(part, dense):
     trunk = dense[:, ~limb] / np.maximum(dense[:, ~limb].sum(axis=1, keepdims=True), 1e-6)
     out = np.empty_like(dense)
     out[:, limb], out[:, ~limb] = limbs, trunk * (1 - limbs.sum(axis=1, keepdims=True))
-    out = hanging.cuffs(part, out)
+    out = hanging.cuffs(part, _round_elbows(out))
     inside = jacket.lining(part.points)[:, None]
     outer = inside[:, 0] < 0.5
 
     def lined(dense):
         return (1 - inside) * dense + inside * nearby(part.points, part.points[outer], dense[outer])
 
-    return lined(ease(part.points, part.triangles, lined(out), _WORN))
+    eased = ease(part.points, part.triangles, lined(out), _WORN)
+    return lined(untangle(part.points, part.normals, part.triangles, eased, _RAISED))
+
+
+def _round_elbows(dense):
+    """Where upper arm and fore arm share the cloth, the bone between them takes it: an arc, not its chord."""
+    dense = dense.copy()
+    for side, _ in skeleton.SIDES:
+        upper, lower, between = (REST.index(side + kind) for kind in ("Arm", "ForeArm", "Elbow"))
+        both = dense[:, upper] + dense[:, lower]
+        share = dense[:, lower] / np.maximum(both, 1e-9)
+        taken = 4 * share * (1 - share)
+        dense[:, between] = both * taken
+        dense[:, upper] = np.where(share < 0.5, both * (1 - taken), 0)
+        dense[:, lower] = np.where(share < 0.5, 0, both * (1 - taken))
+    return dense
 
 
 def _tuck(hand, sleeve):

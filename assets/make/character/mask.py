@@ -44,9 +44,8 @@ _FOLDS = (
 )
 # Rings round the neck: height, by how much they are lower in front and on the left, height and half width, m.
 _RINGS = (
-    (1.5380, 0.010, 0.006, 0.0030, 0.0090),
-    (1.5210, 0.013, -0.006, 0.0036, 0.0095),
-    (1.5040, 0.016, 0.005, 0.0036, 0.0095),
+    (1.5360, 0.010, 0.006, 0.0024, 0.0120),
+    (1.5070, 0.014, -0.005, 0.0026, 0.0125),
 )
 
 

@@ -8,14 +8,15 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from decimate import edges_of
+from mesh import smoothing
 from sdf import rotation
 from skeleton import REST, joint
 
-ROUNDS = 60
+ROUNDS = 90
 HOLD = 0.005  # how dear it is to leave the weights that were given, against strain
-LIMIT, SHAPE = 1.25, 0.15
+LIMIT, SHAPE = 1.25, 0.10
 PULL = 0.02  # of ADMM
+UNTANGLING = 12  # rounds
 
 
 def pose(turns):
@@ -80,6 +81,31 @@ def ease(points, triangles, dense, poses):
     out = np.zeros_like(dense)
     out[vertex, bone] = z
     return out
+
+
+def untangle(points, normals, triangles, dense, poses):
+    """Weights nearer to their neighbours' at the few triangles that the poses turn inside out."""
+    mean = smoothing(triangles, len(points))
+    bones = [(np.asarray(m)[:, :, :3], np.asarray(m)[:, :, 3]) for m in poses]
+
+    def inside_out(p, up):
+        up = up / np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
+        a, b, c = (p[triangles[:, k]] for k in range(3))
+        return np.sum(np.cross(b - a, c - a) * up[triangles].sum(axis=1), axis=1) < 0
+
+    at_rest = inside_out(points, normals)
+    for _ in range(UNTANGLING):
+        turned = np.zeros(len(triangles), bool)
+        for turn, move in bones:
+            blend = np.tensordot(dense, turn, axes=1)
+            now = np.einsum("vij,vj->vi", blend, points) + dense @ move
+            turned |= inside_out(now, np.einsum("vij,vj->vi", blend, normals)) & ~at_rest
+        if not turned.any():
+            break
+        near = np.zeros(len(points))
+        near[triangles[turned]] = 0.3
+        dense = dense + near[:, None] * (mean @ dense - dense)
+    return dense
 
 
 def _relieved(now, turned, length):

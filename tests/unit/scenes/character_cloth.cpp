@@ -152,10 +152,37 @@ TEST_F(CharacterCloth, TheForeArmStaysInItsSleeve) {
     const auto bent = skinned(jacket, bones), arm_now = skinned(guard, bones);
     int bare = 0;
     for (const std::size_t i : covered)
-      bare += crossings(arm_now[i].position, arm_now[i].normal.normalized(), bent,
-                        jacket.indices) == 0;
+      bare +=
+          crossings(arm_now[i].position, arm_now[i].normal.normalized(), bent, jacket.indices) == 0;
     EXPECT_LE(bare, int(covered.size() / 50)) << bend;
   }
+}
+
+/// A blend of two bones 120 degrees apart draws the cloth halfway between them in to cos 60 degrees
+/// of its distance from the joint, a chord; with a bone between them it stays beyond the cosine of
+/// 45 degrees, wherever between two of the three.
+TEST_F(CharacterCloth, ABentElbowIsRound) {
+  constexpr double bend = 120;
+  const scenes::Mesh& jacket = mesh("Jacket");
+  const auto cloth = at_rest(jacket);
+  const scenes::Skeleton skeleton(model_);
+  const Vec3 joint = skeleton.rest(skeleton.find("RightForeArm"));
+  const Vec3 along = (joint - skeleton.rest(skeleton.find("RightArm"))).normalized();
+  scenes::Posture posture = skeleton.upright();
+  posture.turn[skeleton.find("RightForeArm")] =
+      Eigen::AngleAxisd(bend * degree, along.cross(Vec3::UnitZ()).normalized());
+  const scenes::Placement placed = skeleton.place(posture);
+  const auto bent = skinned(jacket, mesh::bone_matrices(model_, skeleton.poses(placed)));
+  int outside = 0;
+  for (std::size_t i = 0; i < cloth.size(); ++i) {
+    const Vec3 from = cloth[i].position.cast<double>() - joint;
+    if (from.norm() > 0.09 || std::abs(from.dot(along)) > 0.02 || from.z() > -0.05) continue;
+    ++outside;
+    const double now =
+        (bent[i].position.cast<double>() - placed.position[skeleton.find("RightForeArm")]).norm();
+    EXPECT_GT(now, std::cos(45 * degree) * from.norm()) << "vertex " << i;
+  }
+  EXPECT_GT(outside, 4);
 }
 
 }  // namespace
