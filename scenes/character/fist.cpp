@@ -12,24 +12,21 @@ namespace {
 
 /// How far a finger is flexed whose joints turn together, as its tendons turn them.
 Flexion curled(double share, double aside) {
-  return {{share * 92 * degree, share * 108 * degree, share * 74 * degree}, aside};
+  return {{share * 88 * degree, share * 116 * degree, share * 78 * degree}, aside};
 }
 
 /// The share at which the finger's end touches the palm's skin; a short finger's presses on it.
 double curl(const Digit& finger, double aside, std::span<const Vec3> palm, const HandAxes& axes) {
-  constexpr double least = 0.88, step = 0.005, beside = 6 * mm;
+  constexpr double least = 0.88, step = 0.005;
+  constexpr double near = 1.5 * mm;  // half as far as vertices of the skin are from one another
   BentSkin bent;
   double share = least;
   for (; share + step <= 1; share += step) {
     finger.bend(flexed(curled(share + step, aside), axes), bent);
-    double height = std::numeric_limits<double>::infinity();  // of the finger's end over the palm
+    double apart = std::numeric_limits<double>::infinity();
     for (const Vec3& p : bent.part(2))
-      for (const Vec3& q : palm) {
-        const Vec3 off = p - q;
-        const double over = off.dot(axes.palm);
-        if ((off - over * axes.palm).norm() < beside) height = std::min(height, over);
-      }
-    if (height < 0) break;
+      for (const Vec3& q : palm) apart = std::min(apart, (p - q).squaredNorm());
+    if (apart < squared(near)) break;
   }
   return share;
 }

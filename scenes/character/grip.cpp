@@ -68,7 +68,7 @@ ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, d
   const Palm palm(model, skeleton, hand);
   // Nearer the wrist, knuckles would have to fold too far. At the thumb it is nearer to the
   // fingertips, as a fist holds a rod.
-  constexpr double ahead = 0.82, behind = 0.65;
+  constexpr double ahead = 0.825, behind = 0.65;
   const Place best = {ahead * length, radius + 0.18 * length, behind * length,
                       radius + 0.18 * length};
   Place x = best;
@@ -110,12 +110,12 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
   // The thumb goes round from the other side, on the side of the chain, and over the end of the
   // index finger: towards its middle phalanx, as far as it reaches.
-  constexpr double beside = 12 * mm, back = 0.4;
+  constexpr double beside = 14 * mm, back = 0.2;
   const Capsule& end = closed.phalanges[2];
   const Vec3 over = (1 - back) * end.a + back * closed.phalanges[1].a + beside * axis;
   const Vec3 off = over - centre;
   const Vec3 out = (off - off.dot(axis) * axis).normalized();
-  const Vec3 tip = over + (end.radius + thumb.digit().radius(2)) * out;
+  const Vec3 tip = over + 0.6 * (end.radius + thumb.digit().radius(2)) * out;  // close beside it
   std::vector<Capsule> things = closed.phalanges;
   things.push_back(stick);
   const std::array<Capsule, 3> wanted = {stick, closed.phalanges[1], end};

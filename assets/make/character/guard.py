@@ -70,6 +70,7 @@ def _over(p):
     finger = ramp(0.078, 0.088, x)
     inner = finger * ramp(-0.004, 0.003, z)  # nothing thick lies between the finger and what it holds
     hem = hem * (1 - 0.8 * finger)  # the loop is a thin band
+    hem = hem * (1 - 0.7 * ramp(2.0, 2.6, np.abs(angle)))  # flat at the hand's edge, where its end is seen from the side
     return (1 - 0.6 * inner) * (_CLOTH + 0.0004 * finger) + (1 - inner) * hem + (1 - held) * (0.0009 * folds + 0.0004 * crumple(p, 1.0)) + 0.0019 * cord
 
 

@@ -105,7 +105,7 @@ def skin(p):
     d = union(d, ellipsoid(p, place(0.036, 0.022, 0.012), (0.023, 0.021, 0.016)), 0.016)  # thenar
     d = union(d, limb(p, place(0.018, -0.022, 0.007), place(0.055, -0.027, 0.006), 0.0135, 0.0115), 0.015)
     d = union(d, limb(p, place(0.030, 0.030, 0.004), place(0.080, 0.030, 0.001), 0.011, 0.008), 0.014)  # web
-    d = union(d, limb(p, place(0.048, 0.043, 0.018), place(0.079, 0.034, 0.003), 0.0100, 0.0085), 0.010)  # its flesh to the thumb
+    d = union(d, limb(p, place(0.047, 0.042, 0.019), place(0.080, 0.034, 0.004), 0.0122, 0.0100), 0.010)  # its flesh to the thumb
     lo, hi = bounds()
     return within(p, d, lo, hi, _with_digits)
 

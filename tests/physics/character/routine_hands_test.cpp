@@ -120,6 +120,7 @@ class Holding : public RoutineHands {
             for (const std::string phalanx : {"1", "2", "3"})
               expect(finger + phalanx, gap(skin.at("RightHand" + finger + phalanx), wood), kFinger);
           }
+          expect("web", gap(web(skin, middle, axis, bones), wood), kPalm);
           for (const std::string phalanx : {"1", "2", "3"})
             expect("Thumb" + phalanx, gap(skin.at("RightHandThumb" + phalanx), wood),
                    {kFinger.least, 1});
@@ -129,6 +130,18 @@ class Holding : public RoutineHands {
   }
 
  private:
+  /// Between thumb and index finger, beyond the index finger's root by more than the finger is half
+  /// wide: no daylight is seen between it and the stick.
+  std::vector<Vec3> web(const Skin& skin, const Vec3& middle, const Vec3& axis,
+                        const std::vector<Pose>& bones) const {
+    const double at = (joint(bones, "RightHandIndex1") - middle).dot(axis) + 0.015;
+    std::vector<Vec3> found;
+    for (const std::string part : {"RightHand", "RightHandThumb1"})
+      for (const Vec3& p : skin.at(part))
+        if (std::abs((p - middle).dot(axis) - at) < 0.004) found.push_back(p);
+    return found;
+  }
+
   /// From the wrist to the middle knuckle, to the thumb's side, and out of the palm.
   Vec3 away(const std::vector<Pose>& bones, const Vec3& off) const {
     const Vec3 along = (joint(bones, "RightHandMiddle1") - joint(bones, "RightHand")).normalized();
