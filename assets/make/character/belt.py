@@ -10,6 +10,7 @@ _HALF = 0.0205
 _KNOT = vec(0.0, 1.026, 0.142)
 _ROWS = np.array([-0.0135, -0.0045, 0.0045, 0.0135])  # where it is sewn, m across
 _GROOVE = 0.0011
+_STIFF = 0.6  # 1: a cylinder, 0: as the cloth under it
 
 
 def _across(half):
@@ -31,8 +32,9 @@ def _turns():
     y = np.full((len(angle), len(places)), jacket_shape.BELT)
     for _ in range(4):  # it dips in front
         y = jacket_shape.BELT - 0.06 * skirt.around(angle + 0 * y, y)[..., 2] + places + pull
-    on = skirt.around(angle + 0 * y, y)
-    out = np.cross(on - skirt.around(angle - 1e-3 + 0 * y, y), (0, 1, 0))
+    flat = y - _STIFF * (places + pull)  # it hardly flares with the hips
+    on = skirt.around(angle + 0 * y, flat) * (1, 0, 1) + y[..., None] * (0, 1, 0)
+    out = np.cross(skirt.around(angle + 0 * y, flat) - skirt.around(angle - 1e-3 + 0 * y, flat), (0, 1, 0))
     out /= np.linalg.norm(out, axis=2, keepdims=True)
     out *= np.sign(np.sum(out * (on - [0, 0, -0.01]) * [1, 0, 1], axis=2, keepdims=True))
     return sheet.shell("Turns", "Belt", on + out * over[None, :, None], np.tile(tint, (len(angle), 1)), closed=True)

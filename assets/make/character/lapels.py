@@ -93,13 +93,15 @@ def under_collar():
     across = np.array([-0.0165, -0.0140, -0.0115, -0.005, 0.006])
 
     def height(p, side, distance):
-        deeper = 0.0095 * np.clip((0.004 - distance) / 0.0205, 0, 1) ** 2
-        return np.minimum(_raised(p, side, np.full(len(p), LAPEL)), 0.0034 + over(p)) - 0.0048 - deeper
+        deeper = 0.0110 * np.clip((-0.004 - distance) / 0.0125, 0, 1) ** 1.5
+        lower = np.where(distance < 0, 0.0026, 0.0048)  # beside the lapel nearly as high, which else shades it
+        return np.minimum(_raised(p, side, np.full(len(p), LAPEL)), 0.0034 + over(p)) - lower - deeper
 
     def tint(distance):
         return np.zeros(len(distance)), 1 - 0.25 * np.exp(-(((distance + 0.0115) / 0.0014) ** 2))
 
-    def shown(line):  # not beside the neck, where it would come out as the head turns
-        return 0.05 + 0.95 * ramp(1.465, 1.440, line[:, 1]) * ramp(0.0, 0.03, line[:, 2])
+    def shown(line):  # neither beside the neck, where it would come out as the head turns, nor where the lapels cross
+        y = line[:, 1]
+        return 0.05 + 0.95 * ramp(1.465, 1.440, y) * ramp(1.252, 1.280, y) * ramp(0.0, 0.03, line[:, 2])
 
     return _strip("Collar", "Collar", across, height, tint, (1.19, 1.19), 0.0022, shown)

@@ -7,7 +7,7 @@ from character.trousers import TIE, leg_at
 from mesh import Part, merge
 from nets import evaluate
 
-_LOW, _HIGH, _PITCH = 0.098, 0.424, 0.0335  # heights of the first turn and the last, m, and from turn to turn
+_LOW, _HIGH, _PITCH = 0.108, 0.424, 0.0335  # heights of the first turn and the last, m, and from turn to turn
 _AROUND = 22  # vertices of a turn
 # Up a band from its lower edge, in turns: heights over the one beneath (m) and tints.
 _ACROSS = np.array([-0.030, 0.012, 0.10, 0.60])
@@ -40,7 +40,7 @@ def _winding():
     rng = np.random.default_rng(2)
     wander = np.interp(k / _AROUND, np.arange(int(turns) + 2), rng.uniform(-0.0035, 0.0035, int(turns) + 2))
     y = _LOW + _PITCH * (k / _AROUND + _ACROSS) + wander + 0.0035 * np.sin(2 * np.pi * k / _AROUND + 0.7)
-    angle = 2 * np.pi * k / _AROUND + 0.3
+    angle = 2 * np.pi * k / _AROUND + 2.9  # it begins behind
     crease = 0.0007 * np.sin(5.1 * angle + 2.0 * _ACROSS) * np.sin(1.7 * angle + 1) * np.sin(np.pi * np.clip(_ACROSS, 0, 1))
     outer = _on_leg(y, angle, _SLACK + _HEIGHT + crease).reshape(count + 1, len(_ACROSS), 3)
     # A turn's upper edge is the next one's lower edge.
@@ -65,12 +65,12 @@ def _vertex_normals(points, triangles):
     return n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-30)
 
 
-def _cord(y, over, half, turns=2):
-    """Flat cords round the leg, side by side."""
+def _cord(y, over, half, turns=2, ends=0):
+    """Flat cords round the leg, side by side; `ends`: their edges go in as far as the sock."""
     angle = np.linspace(0, 2 * np.pi, 20, endpoint=False)[:, None]
     profile = np.linspace(-1, 1, 3 * turns + 1)
     high = 0.0022 * np.sqrt(np.abs(np.sin(0.5 * np.pi * turns * (profile + 1)))) + 0.0006
-    high[[0, -1]] = -0.0030
+    high[[0, -1]] = -0.0030 - _SLACK * ends
     slant = 0.004 * np.sin(angle + 0.6)
     outer = _on_leg(y + half * profile + slant, angle, over + high + 0 * angle, _wound).reshape(20, -1, 3)
     tint = np.tile(0.75 + 0.45 * (high > 0.0012), (20, 1))
@@ -101,6 +101,6 @@ def _knot(y, angle, over):
 def build():
     """The left leg's wraps, and its cords."""
     wraps = _winding()
-    cords = [_cord(TIE, 0.0032, 0.0105), _cord(0.112, 0.0030, 0.0085)]
-    cords += _knot(TIE, 1.1, 0.0042) + _knot(0.112, 1.2, 0.0040)[2:]
+    cords = [_cord(TIE, 0.0032, 0.0105), _cord(0.113, 0.0018, 0.0085, ends=1)]
+    cords += _knot(TIE, 1.1, 0.0042) + _knot(0.113, 1.2, 0.0026)[2:]
     return wraps, merge("CordsL", "Gi", cords)
