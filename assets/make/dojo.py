@@ -15,7 +15,7 @@ _BAY = 1.2  # width of a shoji panel
 _DEEP = {-1: 4, 1: 7}  # panels along a side wall
 _EAVES = 0.75  # where the roof ends, z
 _LINTEL = 2.12
-_JOINT = 0.0020  # m, a plank's bevel
+_JOINT = 0.0030  # m, a plank's bevel
 _END = {side: BACK + panels * _BAY for side, panels in _DEEP.items()}
 
 
@@ -122,7 +122,7 @@ def _floor():
             )
             z += long
     part = planks.part()
-    part.tint(part.normals[:, 1] < 0.95, (0.38, 0.35, 0.32))  # no light comes out of the joints
+    part.tint(part.normals[:, 1] < 0.95, (0.50, 0.46, 0.42))  # no light comes out of the joints
     return _shaded(part)
 
 

@@ -119,12 +119,15 @@ float key_visibility(bool needed, float nl) {
   }
   return sum * (1.0 / 9.0);
 #else
-  // What hides the light is how far away (Fernando 2005)? Then the light's disc from there.
+  // What hides the light is how far away (Fernando 2005)? Then the light's disc from there, each of
+  // its points from another place of the pixel.
+  vec2 across = dFdx(shadow_position.xy), down = dFdy(shadow_position.xy);
   float widest = max(penumbra * shadow_depth(), LEAST_PENUMBRA);
   vec2 found = vec2(0);  // depths, and how many
   for (int i = needed ? 0 : 5; i < 5; ++i) {
-    vec2 corner = vec2(i & 1, i >> 1) * 1.4 - 0.7;
-    vec4 depths = textureGather(casters, shadow_position.xy + (i < 4 ? widest * corner : vec2(0)));
+    vec2 corner = i < 4 ? vec2(i & 1, i >> 1) * 1.4 - 0.7 : vec2(0);
+    vec4 depths = textureGather(casters, shadow_position.xy + widest * corner +
+                                             0.5 * (corner.x * across + corner.y * down));
     vec4 near = vec4(lessThan(depths, vec4(shadow_depth())));
     found += vec2(dot(near, depths), dot(near, vec4(1)));
   }
@@ -135,7 +138,9 @@ float key_visibility(bool needed, float nl) {
   for (int i = 0; i < count; ++i) {
     direction = vec2(-0.73736888 * direction.x - 0.67549029 * direction.y,
                      0.67549029 * direction.x - 0.73736888 * direction.y);
-    sum += lit_at(shadow_position.xy + radius * sqrt((float(i) + 0.5) / 16) * direction, 0);
+    vec2 within = fract(0.5 + float(i) * vec2(0.75487767, 0.56984029)) - 0.5;  // Roberts 2018
+    sum += lit_at(shadow_position.xy + radius * sqrt((float(i) + 0.5) / 16) * direction +
+                      within.x * across + within.y * down, 0);
   }
   return sum * (1.0 / 16.0);
 #endif
@@ -259,7 +264,7 @@ void main() {
   vec3 second = grain_scale > 1 ? 90 * (across - along) : 230 * along;
   vec2 turns = vec2(dot(rest_position, first), dot(rest_position, second));
   vec2 width = fwidth(turns);
-  float fade = clamp(1.3 - 3.6 * max(width.x, width.y), 0, 1);
+  float fade = clamp(1.3 - 5.0 * max(width.x, width.y), 0, 1);
   float wave_first = wave(turns.x), wave_second = wave(turns.y);
   float grain = fade * wave_first * wave_second;
   albedo *= 1 + 0.16 * grain;
@@ -310,7 +315,7 @@ void main() {
   float d = nh * nh * (a2 - 1) + 1;
   float lobe = 0.25 * a2 / (d * d * ((lit * (1 - k) + k) * (nv * (1 - k) + k)));
 #if SURFACE == 2
-  vec3 f0 = vec3(0.018);  // fibres hide most of each other's gloss
+  vec3 f0 = vec3(0.036);  // fibres hide some of each other's gloss
 #else
   vec3 f0 = mix(vec3(0.04), albedo, metallic);
 #endif

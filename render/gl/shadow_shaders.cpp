@@ -23,7 +23,7 @@ float past_scenery(vec3 position) {
   float lit = place.z > span.y ? 0 : 1;
   // What hides the light is how far away (Fernando 2005)? Then the light's disc from there.
   const float texel = 1.0 / textureSize(scenery_depths, 0).x;
-  float widest = max(SCENERY_PENUMBRA * (place.z - span.x), texel);
+  float widest = max(SCENERY_PENUMBRA * (place.z - span.x), 2 * texel);
   vec2 found = vec2(0);  // depths, and how many
   for (int i = mixed ? 0 : 5; i < 5; ++i) {
     vec2 at = place.xy + (i < 4 ? widest * (vec2(i & 1, i >> 1) * 1.4 - 0.7) : vec2(0));
@@ -33,7 +33,7 @@ float past_scenery(vec3 position) {
   }
   if (found.y >= 20) lit = 0;
   bool partly = found.y > 0 && found.y < 20;
-  float radius = max(SCENERY_PENUMBRA * (place.z - found.x / max(found.y, 1)), texel), sum = 0;
+  float radius = max(SCENERY_PENUMBRA * (place.z - found.x / max(found.y, 1)), 2 * texel), sum = 0;
   vec2 direction = vec2(1, 0);
   for (int i = partly ? 0 : 24; i < 24; ++i) {
     direction = vec2(-0.73736888 * direction.x - 0.67549029 * direction.y,

@@ -177,6 +177,22 @@ def pattern(material, image, day):
         nodes.shader.inputs["Emission Strength"].default_value = 1
 
 
+def surround(tree, light):
+    """Sky above, ground and what it throws back below (surrounding_light in render/draw/shading/lighting.cpp)."""
+    direction = light["direction"]
+    thrown = 0.35 * max(-direction[1], 0) / math.sqrt(sum(c * c for c in direction))
+    below = [g + thrown * g * c for g, c in zip(light["ground"], light["color"])]
+    place, split, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "SeparateXYZ", "MixRGB"))
+    above = tree.nodes.new("ShaderNodeMapRange")
+    above.interpolation_type = "SMOOTHSTEP"
+    above.inputs["From Min"].default_value, above.inputs["From Max"].default_value = -0.3, 0.3
+    mix.inputs[1].default_value, mix.inputs[2].default_value = [*below, 1], [*light["sky"], 1]
+    for source, sink in ((place.outputs["Generated"], split.inputs[0]), (split.outputs[2], above.inputs["Value"]),
+                         (above.outputs[0], mix.inputs[0]),
+                         (mix.outputs[0], tree.nodes["Background"].inputs[0])):
+        tree.links.new(source, sink)
+
+
 def prepare(job):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
@@ -204,8 +220,7 @@ def prepare(job):
                 material.shadow_method = "NONE"
     world = scene.world = bpy.data.worlds.new("around")
     world.use_nodes = True
-    around = [(sky + ground) / 2 for sky, ground in zip(light["sky"], light["ground"])]
-    world.node_tree.nodes["Background"].inputs[0].default_value = [*around, 1]
+    surround(world.node_tree, light)
     return scene
 
 
