@@ -29,7 +29,7 @@ def _wood(grooves, facets):
     profile = [(0.0, -HALF), (0.007, -HALF)] + arc((BUTT - bevel, -HALF + bevel), bevel, -np.pi / 2, 0, 7)
     for y in grooves:
         profile += _groove(y, 0.0009, 0.0014)
-    for y in (-0.045, 0.045):
+    for y in np.arange(-0.08, 0.09, 0.04):  # light that arms and scenery hide is found at vertices
         profile.append((_radius(y), y))
     profile.sort(key=lambda p: p[1])
     profile = [p for p in profile if p[1] < _WOOD_TOP - 1e-6] + [(_radius(_WOOD_TOP), _WOOD_TOP)]

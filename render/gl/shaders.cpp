@@ -27,6 +27,9 @@ out vec3 world_position, world_normal, rest_position, tint, shadow_position;
 layout(location = 4) in vec3 light;
 out vec3 bath;
 #endif
+#if FINE
+out vec2 soft_light;  // past the scenery, past capsules
+#endif
 
 void main() {
   world_position = (model * vec4(position, 1)).xyz;
@@ -37,6 +40,9 @@ void main() {
   bath = light;
 #endif
   shadow_position = (light_projection * vec4(world_position + eye.w * world_normal, 1)).xyz;
+#if FINE
+  soft_light = vec2(past_scenery(world_position), contact_light(world_position, normalize(world_normal)));
+#endif
   gl_Position = view_projection * vec4(world_position, 1);
 })";
 
@@ -45,6 +51,9 @@ void main() {
 // mobile"). Ambient light: spherical harmonics of Ramamoorthi and Hanrahan 2001.
 const char* const surface_fragment = R"(
 in vec3 world_position, world_normal, rest_position, tint, shadow_position;
+#if FINE
+in vec2 soft_light;
+#endif
 layout(location = 0) out vec4 encoded;
 uniform vec3 base_color;
 uniform float base_roughness, metallic, opacity;
@@ -330,7 +339,11 @@ void main() {
   vec3 diffuse_lit = vec3(lit);
 #endif
   bool needed = max(diffuse_lit.r, diffuse_lit.b) > 0;
+  #if FINE
+  float open_sky = soft_light.x;
+#else
   float open_sky = past_scenery(world_position);
+#endif
   float seen = open_sky * key_visibility(needed, dot(normalize(world_normal), l));
   vec3 radiance = LIGHT_COLOR * seen * (diffuse * diffuse_lit + lobe * fresnel * lit);
 
@@ -358,7 +371,11 @@ void main() {
   ambient_part += fuzz * mirrored;  // through them, too, where the surface is seen at its edge
   radiance += LIGHT_COLOR * seen * lit * fuzz;
 #endif
+  #if FINE
+  float open = soft_light.y;
+#else
   float open = contact_light(world_position, n);
+#endif
 #if SHADE == 2
   vec3 unshaded = LIGHT_COLOR * open_sky * (diffuse * diffuse_lit + lobe * fresnel * lit) + ambient_part;
 #endif

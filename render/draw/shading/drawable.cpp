@@ -7,12 +7,30 @@
 namespace taut::draw {
 namespace {
 
+constexpr float kFine = 0.05f;  // m
+
 std::vector<mesh::RestVertex> rest_of(const scenes::Mesh& mesh) {
   std::vector<mesh::RestVertex> rest;
   rest.reserve(mesh.vertices.size());
   for (const scenes::Vertex& v : mesh.vertices)
     rest.push_back({Eigen::Vector3f(v.position.data()), Eigen::Vector3f(v.color.data())});
   return rest;
+}
+
+/// The mean of the triangles' longest edges, by area, m; 0 without any area.
+float mean_length(const RestShape& shape) {
+  float area = 0, sum = 0;
+  const std::vector<std::uint32_t>& of = shape.triangles();
+  for (std::size_t i = 0; i < of.size(); i += 3) {
+    const auto edge = [&](std::size_t from, std::size_t to) -> Eigen::Vector3f {
+      return shape.rest()[of[i + to]].rest - shape.rest()[of[i + from]].rest;
+    };
+    const Eigen::Vector3f a = edge(0, 1), b = edge(1, 2), c = edge(2, 0);
+    const float twice = a.cross(b).norm();
+    area += twice;
+    sum += twice * std::max({a.norm(), b.norm(), c.norm()});
+  }
+  return area > 0 ? sum / area : 0;
 }
 
 }  // namespace
@@ -51,6 +69,7 @@ Drawable::Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
   make_arrays();
   Eigen::AlignedBox3f box;
   for (const mesh::RestVertex& v : shape_->rest()) box.extend(v.rest);
+  fine_ = surface_ != Surface::rope && mean_length(*shape_) < kFine;
   if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.7f ? 5 : 1;
 }
 

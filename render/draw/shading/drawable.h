@@ -77,6 +77,9 @@ class Drawable {
   int grain_axis() const { return grain_axis_; }
   /// How many times finer the grain is than that of a beam: small things are made of fine wood.
   float grain_scale() const { return grain_scale_; }
+  /// Light that changes over 5 cm or more, as past the arms and past distant scenery, is as its
+  /// vertices say: no triangle to speak of is longer.
+  bool fine() const { return fine_; }
   /// How a rope's material moves past its vertices where winches change its length.
   struct Flow {
     float paid_out = 0;      // m, at its first end
@@ -101,6 +104,7 @@ class Drawable {
   Surface surface_;
   int grain_axis_ = 1;
   float grain_scale_ = 1;
+  bool fine_ = false;
   Flow flow_;
 };
 

@@ -53,14 +53,14 @@ Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundi
           capsules.all, light_constants(light, around.ambient), mirror_constants(around),
           scenery.constants(), gl::shaders::frame_block, gl::shaders::contact)) {}
 
-const gl::Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
-  auto& slot = programs_[{surface, shade, glossy, bathed}];
+const gl::Program& Surfaces::program(const Variant& v) {
+  auto& slot = programs_[v];
   if (!slot)
     slot = std::make_unique<gl::Program>(
         gl_,
         fmt::format("#define SURFACE {}\n#define SHADE {}\n#define GLOSSY {:d}\n#define BATHED "
-                    "{:d}\n{}",
-                    int(surface), int(shade), glossy, bathed, constants_),
+                    "{:d}\n#define FINE {:d}\n{}",
+                    int(v.surface), int(v.shade), v.glossy, v.bathed, v.fine, constants_),
         gl::shaders::surface_vertex, gl::shaders::surface_fragment);
   return *slot;
 }
@@ -76,8 +76,9 @@ void Surfaces::use(const FrameBlock& block) const {
 void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {
   if (item.triangles.empty()) return;
   const scenes::Material& material = item.drawable->material();
-  const gl::Program& p = program(item.drawable->surface(), shade, material.roughness < kGlossy,
-                                 item.drawable->bathed());
+  const bool bathed = item.drawable->bathed();
+  const gl::Program& p = program({item.drawable->surface(), shade, material.roughness < kGlossy,
+                                  bathed, !bathed && item.drawable->fine()});
   p.use();
   p.set("model", item.model);
   p.set("base_color", Eigen::Vector3f(material.base_color.data()));

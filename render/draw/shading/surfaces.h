@@ -2,10 +2,10 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <map>
 #include <memory>
 #include <string>
-#include <tuple>
 
 #include "render/draw/shading/draw_item.h"
 #include "render/draw/shading/lighting.h"
@@ -73,15 +73,23 @@ class Surfaces {
   void draw(const DrawItem& item, Shade shade, float opacity = 1);
 
  private:
-  /// `glossy` surfaces mirror the room; `bathed` ones have light of their own on each vertex.
-  const gl::Program& program(Surface surface, Shade shade, bool glossy, bool bathed);
+  /// What a surface's shader is compiled for.
+  struct Variant {
+    Surface surface;
+    Shade shade;
+    bool glossy;  // it mirrors the room
+    bool bathed;  // it has light of its own on each vertex
+    bool fine;    // light that changes slowly is found at its vertices
+    auto operator<=>(const Variant&) const = default;
+  };
+  const gl::Program& program(const Variant& variant);
 
   const gl::Gl& gl_;
   gl::GlObject frame_, noise_;
   GLuint mirror_;
   const SceneryShadow& scenery_;
   std::string constants_;
-  std::map<std::tuple<Surface, Shade, bool, bool>, std::unique_ptr<gl::Program>> programs_;
+  std::map<Variant, std::unique_ptr<gl::Program>> programs_;
 };
 
 }  // namespace taut::draw
