@@ -78,13 +78,14 @@ const char* what_touches(const Document& document) {
 }
 
 /// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
-const Value* material_key(const Value& connector) {
+/// With `but_damping` that which only damps how they bend is none.
+const Value* material_key(const Value& connector, bool but_damping = false) {
   for (const std::string_view key :
-       {"axial_stiffness", "bending_stiffness", "bending_damping", "rest_curvature",
-        "twisting_stiffness", "twisting_damping", "rest_twist", "material", "drag"}) {
+       {"axial_stiffness", "bending_stiffness", "rest_curvature", "twisting_stiffness",
+        "twisting_damping", "rest_twist", "material", "drag"}) {
     if (const Value* found = connector.find(key)) return found;
   }
-  return nullptr;
+  return but_damping ? nullptr : connector.find("bending_damping");
 }
 
 void refuse_materials(const Document& document, const MethodInfo& method) {
@@ -94,11 +95,13 @@ void refuse_materials(const Document& document, const MethodInfo& method) {
   for (const Value& connector : connectors->children) {
     const Value* key = material_key(connector);
     if (!key) continue;
-    if (touching && !method.touches_beside_more) {
+    const Value* more = material_key(connector, method.damps_beside_contact);
+    if (more && touching && !method.touches_beside_more) {
       document.fail_at_key(
-          *key, fmt::format("stands in a scene with {}, where links of the method {} are rigid, "
-                            "bend freely and meet no air, expected one of: {}",
-                            touching, method.name, methods_with(&MethodInfo::touches_beside_more)));
+          *more,
+          fmt::format("stands in a scene with {}, where links of the method {} are rigid, "
+                      "bend freely and meet no air, expected one of: {}",
+                      touching, method.name, methods_with(&MethodInfo::touches_beside_more)));
     }
     if (method.follows_materials) continue;
     const std::string able = methods_with(&MethodInfo::follows_materials);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/run/bodies_as_links.h"
+#include "sim/world/state.h"
 
 namespace taut::choreography {
 namespace {
@@ -12,9 +13,14 @@ bool is_on(const Hold& hold, std::size_t body) {
   return hold.to.kind == Attachment::Kind::body && hold.to.body == body;
 }
 
-/// Links that only pull move as rigid ones do while they are taut, as those of a flat chain are.
+/// Links that only pull move as rigid ones do while they are taut, as those of a flat chain are;
+/// and so little is bent then that what damps bends is left to the certificate.
 World while_taut(World world) {
-  for (Connector& connector : world.connectors) connector.pulls = false;
+  const bool damped = only_damps_bends(world);
+  for (Connector& connector : world.connectors) {
+    connector.pulls = false;
+    if (damped) connector.sections.clear();
+  }
   return world;
 }
 

@@ -133,6 +133,7 @@ class MaterialForces {
   /// Gershgorin's bounds on M^-1 K and M^-1 C of the straight connector.
   struct HighestMode {
     double frequency = 0, damping_ratio = 0;
+    double damping = 0;  // 1/s: twice the frequency times the ratio, also where nothing is stiff
   };
   HighestMode highest_mode(const std::vector<double>& inverse_mass) const;
 

@@ -55,7 +55,9 @@ std::string refusal(const MethodInfo& method, const World& world) {
   if (!method.follows_strings && has_strings(world)) return kNoStrings;
   if (!method.follows_winches && has_winches(world)) return kNoWinches;
   if (!method.follows_pulleys && !world.pulleys.empty()) return kNoPulleys;
-  if (!method.touches_beside_more && touches_beside_more(world)) return kNoMoreBesideContact;
+  if (!method.touches_beside_more && touches_beside_more(world, method.damps_beside_contact)) {
+    return kNoMoreBesideContact;
+  }
   return {};
 }
 
@@ -238,8 +240,8 @@ void refuse_bead_pairs(std::string_view method, const World& world) {
                  kNoBeadPairs);
 }
 
-void refuse_more_beside_contact(std::string_view method, const World& world) {
-  if (!touches_beside_more(world)) return;
+void refuse_more_beside_contact(std::string_view method, const World& world, bool but_damping) {
+  if (!touches_beside_more(world, but_damping)) return;
   throw Diverged(std::string(method), world.time, 0, world.connectors.front().name, 0,
                  kNoMoreBesideContact);
 }

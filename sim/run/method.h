@@ -164,6 +164,8 @@ struct MethodInfo {
   /// What touches may stand beside connectors that are joined, have winches or materials; others
   /// throw Diverged where touches_beside_more().
   bool touches_beside_more = false;
+  /// It may stand beside rigid links whose bends are damped and no more.
+  bool damps_beside_contact = false;
   /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
   /// Diverged where a world has such a one.
   bool follows_materials = false;
@@ -229,9 +231,10 @@ void refuse_touching_links(std::string_view method, const World& world);
 
 /// For methods whose beads touch obstacles alone: throws Diverged where some are to touch bodies.
 void refuse_bead_pairs(std::string_view method, const World& world);
-/// For methods that know contact of rigid links that bend freely: throws Diverged where
-/// touches_beside_more().
-void refuse_more_beside_contact(std::string_view method, const World& world);
+/// For methods that know contact of rigid links that bend freely, or with `but_damping` also of
+/// those whose bends are damped: throws Diverged where touches_beside_more().
+void refuse_more_beside_contact(std::string_view method, const World& world,
+                                bool but_damping = false);
 
 /// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
 void refuse_materials(std::string_view method, const World& world);

@@ -98,7 +98,8 @@ void Contacts::take_step(Group& group, double until) {
   group.slippery_before = group.slippery;
   for (;;) {
     const double left = group.end - group.time;
-    const double wish = spin > 0 ? std::min(group.h, kTurn / spin) : group.h;
+    const double stable = std::min(group.h, step.longest_damped());
+    const double wish = spin > 0 ? std::min(stable, kTurn / spin) : stable;
     const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
     const double h = left / count;
     const double gone = attempt(group.step, group.time, h, group.slippery, group.located);

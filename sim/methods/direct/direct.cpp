@@ -25,14 +25,15 @@ class Direct : public Method {
 
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
-      refuse_more_beside_contact("direct", world);
+      refuse_more_beside_contact("direct", world, true);
     }
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
+      if (has_contact(world)) return advance_contacts(world, until);
       if (!world.joints.empty() || has_winches(world) || has_laden_materials(world)) {
         return advance_joined(world, until);
       }
       if (has_materials(world)) return advance_materials(world, until);
-      if (has_contact(world) || has_strings(world)) return advance_contacts(world, until);
+      if (has_strings(world)) return advance_contacts(world, until);
       if (has_spans(world)) return advance_spans(world, until);
     }
     prepare(world);
@@ -297,6 +298,7 @@ MethodInfo direct_method() {
       .touches_with_bodies = true,
       .touches_with_links = true,
       .beads_touch_bodies = true,
+      .damps_beside_contact = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -91,8 +91,8 @@ void Joined::find_material_waves() {
     easy_[at.point] =
         count * body.inverse_mass + at.local.norm() * arms * body.inverse_inertia.norm();
   }
-  const auto [frequency, damping_ratio] = mechanism_.material().highest_mode(easy_);
-  material_waves_ = frequency * std::max(1.0, 2 * damping_ratio);
+  const auto mode = mechanism_.material().highest_mode(easy_);
+  material_waves_ = std::max(mode.frequency, mode.damping);
 }
 
 void Joined::find_slope(double time, const State& state, State& slope) {

@@ -105,6 +105,7 @@ bool ContactStep::settle(double time, double h, double least) {
   kick(pull_, along_, 0.5);
   links_.kick_more(mechanism_, next_);
   beads_.kick_more(mechanism_, next_);
+  if (mechanism_.material().any()) damp_bends(h);
   aim_velocities(h, least);
   if (!pushed_.empty()) begin_settling(time, h, least);
   if (couples()) {
@@ -124,6 +125,26 @@ bool ContactStep::settle(double time, double h, double least) {
   if (!lower_bounces(stopped)) return false;
   mechanism_.place(time + h, next_.data());
   return true;
+}
+
+/// Velocities change by what damps bends, as they are at the end of the step: explicitly, which is
+/// stable in steps below longest_damped().
+void ContactStep::damp_bends(double h) {
+  for (const auto& carried : mechanism_.body_points()) {
+    middle_[carried.point] =
+        contact::velocity_at(twist_at(&next_[mechanism_.twist(carried.body)]), carried.arm);
+  }
+  damping_.assign(middle_.size(), Vec3::Zero());
+  mechanism_.material().add_bends(next_.data(), middle_.front().data(), damping_);
+  for (std::size_t p = 0; p < middle_.size(); ++p) {
+    middle_[p] += h * mechanism_.inverse_mass()[p] * damping_[p];
+  }
+  for (const auto& carried : mechanism_.body_points()) {
+    const auto& body = mechanism_.bodies()[carried.body];
+    double* u = &next_[mechanism_.twist(carried.body)];
+    vector(u) += h * body.inverse_mass * damping_[carried.point];
+    vector(u + 3) += h * body.world_inverse * carried.arm.cross(damping_[carried.point]);
+  }
 }
 
 /// The velocities at the end of the step.

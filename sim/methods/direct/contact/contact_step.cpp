@@ -53,6 +53,9 @@ void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obsta
                       &last_acceleration_, &steady_}) {
     array->assign(points, Vec3::Zero());
   }
+  // Explicit Euler is stable below twice that, and below it brings nothing past its rest.
+  const double damping = mechanism_.material().highest_mode(mechanism_.inverse_mass()).damping;
+  longest_damped_ = damping > 0 ? 1 / damping : std::numeric_limits<double>::infinity();
   for (auto* array : {&from_, &along_, &to_}) array->assign(rows, Vec3::Zero());
   for (auto* array : {&pull_, &rest_, &change_, &tension_, &last_tension_}) array->assign(rows, 0);
   rebuild_strings();

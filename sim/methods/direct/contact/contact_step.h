@@ -63,6 +63,8 @@ class ContactStep {
   /// settle in an impact of this moment. Returns how long (s) that took.
   double resolve(double time, double lowest);
 
+  /// s: the longest step in which what damps bends is stable; infinite where nothing does.
+  double longest_damped() const { return longest_damped_; }
   /// Two solid things nearer than this (m) touch.
   double touching() const { return touching_; }
   /// Steps from `time` by at most `h` (s); where a bead hits an obstacle on the way and `locates`
@@ -143,6 +145,7 @@ class ContactStep {
   void scale_friction(double share);
   double approach(const std::function<bool(double)>& solve);
   bool with_less_friction(const std::function<bool()>& solve);
+  void damp_bends(double h);
   void kick(std::span<const double> impulse, std::span<const Vec3> along, double share);
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
               std::span<Vec3> velocity);
@@ -193,6 +196,8 @@ class ContactStep {
   double length_ = 0;  // m, of the longest connector
   double touching_ = 0;
   double exact_ = 0;                     // m: roundings of positions
+  std::vector<Vec3> damping_;            // N, per point: of what damps bends
+  double longest_damped_ = 0;            // s
   std::vector<double> radius_;           // per point, m; negative: it touches nothing
   std::vector<std::uint64_t> category_;  // per point
   std::vector<double> state_, next_;     // as Mechanism has them
