@@ -295,7 +295,7 @@ void main() {
   vec3 diffuse_lit = vec3(lit);
 #endif
   bool needed = max(diffuse_lit.r, diffuse_lit.b) > 0;
-  #if FINE
+#if FINE
   float open_sky = soft_light.x;
 #else
   float open_sky = past_scenery(world_position);
@@ -327,7 +327,7 @@ void main() {
   ambient_part += fuzz * mirrored;  // through them, too, where the surface is seen at its edge
   radiance += LIGHT_COLOR * seen * lit * fuzz;
 #endif
-  #if FINE
+#if FINE
   float open = soft_light.y;
 #else
   float open = contact_light(world_position, n);
