@@ -78,7 +78,7 @@ const char* what_touches(const Document& document) {
 }
 
 /// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
-/// With `but_damping` that which only damps how they bend is none.
+/// With `but_damping`, bending_damping does not count.
 const Value* material_key(const Value& connector, bool but_damping = false) {
   for (const std::string_view key :
        {"axial_stiffness", "bending_stiffness", "rest_curvature", "twisting_stiffness",

@@ -83,10 +83,9 @@ class Springs : public SteppedMethod {
   double stable_step(const Mechanism& mechanism, double highest) const {
     const double stable = std::min(kLongest, kSafety * limit_ / highest);
     if (!mechanism.material().any()) return limit_ > 0 ? stable : 0;
-    const auto [frequency, damping_ratio, damping] =
-        mechanism.material().highest_mode(mechanism.inverse_mass());
-    const double all = std::hypot(highest, frequency);
-    const double share = (damping_ * highest + damping_ratio * frequency) / all;
+    const auto mode = mechanism.material().highest_mode(mechanism.inverse_mass());
+    const double all = std::hypot(highest, mode.frequency);
+    const double share = (damping_ * highest + mode.damping_ratio * mode.frequency) / all;
     const double limit = stability_limit(integrator_, share);
     return limit > 0 ? std::min(kLongest, kSafety * limit / all) : 0;
   }

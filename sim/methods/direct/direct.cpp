@@ -25,7 +25,7 @@ class Direct : public Method {
 
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
-      refuse_more_beside_contact("direct", world, true);
+      refuse_more_beside_contact("direct", world, /*but_damping=*/true);
     }
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
       if (has_contact(world)) return advance_contacts(world, until);

@@ -109,10 +109,7 @@ bool ContactStep::settle(double time, double h, double least) {
   aim_velocities(h, least);
   if (!pushed_.empty()) begin_settling(time, h, least);
   if (couples()) {
-    for (const auto& carried : mechanism_.body_points()) {
-      middle_[carried.point] =
-          contact::velocity_at(twist_at(&next_[mechanism_.twist(carried.body)]), carried.arm);
-    }
+    carry_middle();
     links_.aim_velocities(body_step(time, h), next_, middle_, least, located_);
     beads_.aim_velocities(body_step(time, h), next_, middle_, least, located_);
   }
@@ -127,13 +124,18 @@ bool ContactStep::settle(double time, double h, double least) {
   return true;
 }
 
-/// Velocities change by what damps bends, as they are at the end of the step: explicitly, which is
-/// stable in steps below longest_damped().
-void ContactStep::damp_bends(double h) {
+/// The velocities of points that bodies carry, after the first stage.
+void ContactStep::carry_middle() {
   for (const auto& carried : mechanism_.body_points()) {
     middle_[carried.point] =
         contact::velocity_at(twist_at(&next_[mechanism_.twist(carried.body)]), carried.arm);
   }
+}
+
+/// Velocities change by what damps bends, as they are at the end of the step: explicitly, which is
+/// stable in steps below longest_damped().
+void ContactStep::damp_bends(double h) {
+  carry_middle();
   damping_.assign(middle_.size(), Vec3::Zero());
   mechanism_.material().add_bends(next_.data(), middle_.front().data(), damping_);
   for (std::size_t p = 0; p < middle_.size(); ++p) {

@@ -145,6 +145,7 @@ class ContactStep {
   void scale_friction(double share);
   double approach(const std::function<bool(double)>& solve);
   bool with_less_friction(const std::function<bool()>& solve);
+  void carry_middle();
   void damp_bends(double h);
   void kick(std::span<const double> impulse, std::span<const Vec3> along, double share);
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
