@@ -52,7 +52,7 @@ Goldens::Goldens(const fs::path& folder, const std::vector<std::string>& only, g
   if (!only.empty()) keep_only(only);
   if (suite_.frames.empty()) return;
   context_.emplace(backend, threads);
-  renderer_ = golden::renderer_of(context_->description());
+  driver_ = golden::driver_of(context_->description());
 }
 
 Goldens::~Goldens() = default;
@@ -82,7 +82,7 @@ FrameResult Goldens::check(const scenes::GoldenFrame& frame) {
   }
   result.golden = std::move(golden);
   result.actual = set.film.draw(set.film.instant(record.state));
-  result.comparison = golden::compare(*result.actual, renderer_, *result.golden, record);
+  result.comparison = golden::compare(*result.actual, driver_, *result.golden, record);
   const golden::PictureDifference& d = result.comparison.difference;
   if (!result.comparison.same)
     result.failure = fmt::format(
@@ -117,8 +117,7 @@ std::string Goldens::accept(const scenes::GoldenFrame& frame, bool simulate_anew
   if (moved || simulate_anew) record.state = today;
   const picture::Picture picture = set.film.draw(set.film.instant(record.state));
   if (frame.frame == 0) record.state = {};
-  record.renderer = renderer_;
-  record.pixels = golden::pixel_hash(picture);
+  record.driver = driver_;
   write_picture(file(frame, ".png"), picture);
   write_text(file(frame, ".json"), golden::golden_text(record));
   if (!before) return "new";
@@ -126,15 +125,20 @@ std::string Goldens::accept(const scenes::GoldenFrame& frame, bool simulate_anew
   return same && !moved ? "as before" : "changed";
 }
 
-std::string Goldens::accept(const scenes::GoldenTrajectory& trajectory) {
-  const golden::TrajectoryRecord today = golden::record_of(trajectory);
+std::string Goldens::accept(const scenes::GoldenTrajectory& trajectory, bool simulate_anew) {
+  golden::TrajectoryRecord today = golden::record_of(trajectory);
   const bool kept = fs::exists(file(trajectory));
+  bool moved = true;
   if (kept) {
-    const golden::TrajectoryRecord before = golden::read_trajectory(file(trajectory));
-    if (before.hash == today.hash && before.made_from == today.made_from) return "as before";
+    golden::TrajectoryRecord before = golden::read_trajectory(file(trajectory));
+    moved = !golden::compare(today, before, trajectory.within).failure.empty();
+    if (!moved && !simulate_anew) {
+      if (before.made_from == today.made_from) return "as before";
+      today.states = std::move(before.states);
+    }
   }
   write_text(file(trajectory), golden::trajectory_text(today));
-  return kept ? "changed" : "new";
+  return !kept ? "new" : moved ? "changed" : "as before";
 }
 
 void Goldens::keep_only(const std::vector<std::string>& names) {

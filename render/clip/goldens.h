@@ -36,10 +36,10 @@ class Goldens {
   FrameResult check(const scenes::GoldenFrame& frame);
   golden::TrajectoryComparison check(const scenes::GoldenTrajectory& trajectory);
 
-  /// Keeps what there is today; a frame's kept state stays unless `simulate` asks for another.
-  /// Says what changed.
+  /// Keeps today's picture or motion. Kept states stay while today's are `within` of them, unless
+  /// `simulate` asks for today's. Says what changed.
   std::string accept(const scenes::GoldenFrame& frame, bool simulate);
-  std::string accept(const scenes::GoldenTrajectory& trajectory);
+  std::string accept(const scenes::GoldenTrajectory& trajectory, bool simulate);
 
  private:
   struct Set;
@@ -51,7 +51,7 @@ class Goldens {
 
   scenes::GoldenSuite suite_;
   std::optional<gl::Context> context_;  // where there is a picture to draw
-  golden::Renderer renderer_;
+  std::string driver_;
   std::unique_ptr<Set> set_;
 };
 

@@ -4,57 +4,27 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "render/golden/snapshot_json.h"
 #include "scenes/files/regular_file.h"
-#include "sim/motion/hash.h"
 
 namespace taut::golden {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The first line of /proc/cpuinfo that starts with `key`, without it.
-std::string processor_line(const std::string& key) {
-  std::ifstream file("/proc/cpuinfo");
-  file.exceptions(std::ios::badbit);  // or running out of memory would end the file
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with(key) && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown";
-}
-
 }  // namespace
 
-Renderer renderer_of(const std::string& description) {
-  // "WAY: NAME (LLVM 15.0.6, 256 bits), OpenGL 4.5": OSMesa and EGL may lead to the same driver.
+std::string driver_of(const std::string& description) {
+  // "BACKEND: NAME (LLVM 15.0.6, 256 bits), OpenGL 4.5": OSMesa and EGL may lead to the same
+  // driver.
   const std::size_t colon = description.find(": ");
   std::string driver = colon == std::string::npos ? description : description.substr(colon + 2);
-  std::string width = "unknown width";
   const std::size_t end = driver.find(" bits");
   const std::size_t begin = end == std::string::npos ? end : driver.rfind(", ", end);
-  if (begin != std::string::npos) {
-    width = driver.substr(begin + 2, end - begin - 2) + " bits";
-    driver.erase(begin, end + 5 - begin);
-  }
-  return {std::move(driver), fmt::format("{}, vectors of {}", processor(), width)};
-}
-
-std::string processor() {
-  return fmt::format("{}, features {:016x}", processor_line("model name"),
-                     Hash().text(processor_line("flags")).value());
-}
-
-std::uint64_t pixel_hash(const picture::Picture& picture) {
-  return Hash()
-      .number(picture.width)
-      .number(picture.height)
-      .bytes(picture.pixels.data(), picture.pixels.size())
-      .value();
+  if (begin != std::string::npos) driver.erase(begin, end + 5 - begin);
+  return driver;
 }
 
 GoldenRecord read_golden(const std::filesystem::path& file) {
@@ -65,9 +35,7 @@ GoldenRecord read_golden(const std::filesystem::path& file) {
 GoldenRecord golden_from(const std::string& text, const std::filesystem::path& file) {
   try {
     const nlohmann::json record = nlohmann::json::parse(text);
-    return {{record.at("driver").get<std::string>(), record.at("processor").get<std::string>()},
-            std::stoull(record.at("pixels").get<std::string>(), nullptr, 16),
-            snapshot_from(record.at("state"))};
+    return {record.at("driver").get<std::string>(), snapshot_from(record.at("state"))};
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
@@ -77,38 +45,27 @@ GoldenRecord golden_from(const std::string& text, const std::filesystem::path& f
 }
 
 std::string golden_text(const GoldenRecord& record) {
-  const Json json_record = {{"driver", record.renderer.driver},
-                            {"processor", record.renderer.processor},
-                            {"pixels", fmt::format("{:016x}", record.pixels)},
-                            {"state", to_json(record.state)}};
+  const Json json_record = {{"driver", record.driver}, {"state", to_json(record.state)}};
   return json_record.dump() + "\n";
 }
 
 std::string_view name_of(Tier tier) {
   switch (tier) {
-    case Tier::exact:
-      return "every pixel equal";
     case Tier::same_driver:
-      return "same driver, other processor";
+      return "same driver";
     case Tier::other_driver:
       return "another driver";
   }
   return "";
 }
 
-PictureComparison compare(const picture::Picture& actual, const Renderer& renderer,
+PictureComparison compare(const picture::Picture& actual, const std::string& driver,
                           const picture::Picture& golden, const GoldenRecord& record) {
   PictureComparison result;
   result.difference = difference(actual, golden);
-  if (renderer.driver != record.renderer.driver) {
-    result.tier = Tier::other_driver;
-    result.same = same_picture(result.difference);
-  } else if (renderer.processor != record.renderer.processor) {
-    result.tier = Tier::same_driver;
-    result.same = same_rendering(result.difference);
-  } else {
-    result.same = pixel_hash(actual) == record.pixels && pixel_hash(golden) == record.pixels;
-  }
+  result.tier = driver == record.driver ? Tier::same_driver : Tier::other_driver;
+  result.same = result.tier == Tier::same_driver ? same_rendering(result.difference)
+                                                 : same_picture(result.difference);
   return result;
 }
 

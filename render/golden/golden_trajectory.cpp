@@ -1,18 +1,15 @@
 #include "render/golden/golden_trajectory.h"
 
 #include <fmt/format.h>
-#include <gnu/libc-version.h>
 
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "render/base/interrupt.h"
-#include "render/golden/golden.h"
 #include "render/golden/snapshot_json.h"
 #include "scenes/files/regular_file.h"
 #include "scenes/load/load_scene.h"
-#include "sim/motion/hash.h"
 #include "sim/run/simulation.h"
 
 namespace taut::golden {
@@ -66,20 +63,15 @@ TrajectoryRecord record_of(const scenes::GoldenTrajectory& trajectory) {
   const scenes::Scene scene = scenes::load_scene(trajectory.scene, false);
   Simulation simulation = scenes::start(scene, trajectory.method);
   TrajectoryRecord record;
-  record.machine = fmt::format("{}, compiler {}, C library {}", processor(), __VERSION__,
-                               gnu_get_libc_version());
   record.made_from = sources(scene, trajectory.method);
-  Hash hash;
   const int states = std::min(kStates, trajectory.last);
   for (int k = 1; k <= trajectory.last; ++k) {
     render::stop_if_interrupted();
     simulation.advance_to(double(k) / scene.fps);
-    hash.number(state_hash(simulation.world()));
     // Of last frames, the states-th parts, each rounded down.
     if (k * states / trajectory.last != (k - 1) * states / trajectory.last)
       record.states.push_back(simulation.state());
   }
-  record.hash = hash.value();
   return record;
 }
 
@@ -92,8 +84,6 @@ TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem:
   try {
     const nlohmann::json json = nlohmann::json::parse(text);
     TrajectoryRecord record;
-    record.machine = json.at("machine").get<std::string>();
-    record.hash = std::stoull(json.at("hash").get<std::string>(), nullptr, 16);
     if (json.contains("made_from")) json.at("made_from").get_to(record.made_from);
     for (const auto& state : json.at("states")) record.states.push_back(snapshot_from(state));
     return record;
@@ -108,31 +98,19 @@ TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem:
 std::string trajectory_text(const TrajectoryRecord& record) {
   Json states = Json::array();
   for (const Snapshot& state : record.states) states.push_back(to_json(state));
-  return Json({{"machine", record.machine},
-               {"made_from", record.made_from},
-               {"hash", fmt::format("{:016x}", record.hash)},
-               {"states", std::move(states)}})
-             .dump() +
-         "\n";
+  return Json({{"made_from", record.made_from}, {"states", std::move(states)}}).dump() + "\n";
 }
 
 TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryRecord& kept,
                              double within) {
   TrajectoryComparison result;
-  result.exact = today.machine == kept.machine;
   if (today.states.size() != kept.states.size())
     result.distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < std::min(today.states.size(), kept.states.size()); ++i)
     result.distance = std::max(result.distance, distance(today.states[i], kept.states[i]));
-  if (result.exact && today.hash != kept.hash) {
-    result.failure = fmt::format(
-        "the machine is the same and the bits are not; kept positions {}",
-        result.distance > 0 ? fmt::format("lie up to {:.3g} m apart", result.distance)
-                            : "are the same, velocities or what lies between them are not");
-  } else if (!result.exact && !(result.distance <= within)) {
+  if (!(result.distance <= within))
     result.failure = fmt::format("the simulation is {:.3g} m from a kept state, {:.3g} m allowed",
                                  result.distance, within);
-  }
   if (const std::string since = changes_since(today, kept);
       !since.empty() && !result.failure.empty())
     result.failure += "; since it was accepted " + since;

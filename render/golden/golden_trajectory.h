@@ -1,7 +1,6 @@
 // Golden trajectories: the record of a motion, and the comparison of today's with it.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -12,11 +11,8 @@
 
 namespace taut::golden {
 
-/// Bits of states are the same wherever processor, compiler and C library are.
 struct TrajectoryRecord {
-  std::string machine;                           // processor, compiler, C library
   std::map<std::string, std::string> made_from;  // of the scene and the method, by their keys
-  std::uint64_t hash = 0;                        // of the whole dynamic state at every frame
   std::vector<Snapshot> states;                  // some of the frames, the last included
 };
 
@@ -29,13 +25,11 @@ TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem:
 std::string trajectory_text(const TrajectoryRecord& record);
 
 struct TrajectoryComparison {
-  bool exact = false;   // compared by bits, else by distance
   double distance = 0;  // m, the largest of a point in any kept state
   std::string failure;  // empty: as it was kept
 };
 
-/// Judges today's record: by its hash where machine and record match, and by the distance `within`
-/// (m) elsewhere.
+/// Compares today's record with the kept one: every kept state is at most `within` (m) away.
 TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryRecord& kept,
                              double within);
 

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/format/format.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/reader/reader.h"
+#include "sim/run/companion.h"
+#include "sim/run/method.h"
 
 namespace taut::scenes {
 
@@ -14,8 +17,17 @@ namespace {
 
 using Type = KeyFormat::Type;
 
-// Swings stay this close to themselves from one processor to another; slack motion does not.
-constexpr double kWithin = 1e-6;  // m
+// Rounding moves a swing by less than this from one processor to another; slack motion by more.
+constexpr double kRounding = 1e-6;  // m
+
+/// How far (m) two right runs of a method may be from each other: each is off by its tolerance at
+/// most, if the method has one in metres.
+double distance_between_runs(const MethodChoice& choice) {
+  const MethodInfo* method = find_method(choice.name);
+  if (!method->companion || !method->missing.empty()) return kRounding;
+  const Settings settings = with_defaults(*method, choice.settings);
+  return std::max(kRounding, 2 * method->companion(*method, settings).asked);
+}
 
 /// A table that names a scene, a time by the key `time`, a method and a distance.
 TableFormat kept_format(std::string_view scene, std::string_view time, std::string_view when) {
@@ -23,7 +35,8 @@ TableFormat kept_format(std::string_view scene, std::string_view time, std::stri
            {.name = time, .meaning = when, .unit = "s", .minimum = 0, .required = true},
            {.name = "method", .type = Type::method, .meaning = "Default: the scene's own."},
            {.name = "within",
-            .meaning = "How far today's simulation may be from a kept state.",
+            .meaning = "How far today's simulation may be from a kept state. Default: twice the "
+                       "method's tolerance, and 1e-6 without one.",
             .unit = "m",
             .minimum = 0,
             .above = true}}};
@@ -82,17 +95,20 @@ Kept read_kept(const Document& document, const Value& value, std::string_view ke
     document.mismatch(time, fmt::format("a time before the scene's end, {} s", scene.duration));
   const Value* method = value.find("method");
   kept.method = method ? read_method(document, method, scene.fps) : scene.method;
-  kept.within = number_or(value, "within", kWithin);
+  kept.within = number_or(value, "within", distance_between_runs(kept.method));
   return kept;
 }
 
 }  // namespace
 
 GoldenSuite load_golden_suite(const std::filesystem::path& folder) {
-  const Document document = read_document(folder / "golden.toml");
+  return golden_suite_from(read_document(folder / "golden.toml"));
+}
+
+GoldenSuite golden_suite_from(const Document& document) {
   check_format(document, suite_format());
   GoldenSuite suite;
-  suite.folder = folder;
+  suite.folder = document.file.parent_path();
   if (const Value* size = document.root.find("size")) {
     suite.width = static_cast<int>(size->children[0].number);
     suite.height = static_cast<int>(size->children[1].number);

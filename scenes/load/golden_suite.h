@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/format/document.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {
@@ -36,7 +37,9 @@ struct GoldenSuite {
   std::vector<GoldenTrajectory> trajectories;
 };
 
-/// Reads FOLDER/golden.toml. Throws BadScene, also for what is wrong with a scene that it names.
+/// Reads FOLDER/golden.toml. Throws BadScene, also for faults of a scene that it names.
 GoldenSuite load_golden_suite(const std::filesystem::path& folder);
+/// The same of a document that was read already.
+GoldenSuite golden_suite_from(const Document& document);
 
 }  // namespace taut::scenes
