@@ -166,7 +166,7 @@ void read_suite(std::string_view bytes) {
   }
 }
 
-/// Scenes with plans and with keys that were found for a choreography.
+/// Shipped scenes with plans.
 std::vector<std::string> planned() {
   std::vector<std::string> inputs;
   for (const std::string& input : files_in(TAUT_SOURCE_DIR "/scenes", ".toml"))
@@ -231,7 +231,6 @@ const Reader kReaders[] = {
        with_meant_errors([&] { golden::trajectory_from(std::string(bytes), "f"); });
      }},
     {"GoldenSuite", suites, read_suite},
-    {"PlannedScene", planned, fuzz_scene},
     {"Plan", planned, write_plan},
     {"Png", pictures, [](std::string_view bytes) {
        with_meant_errors([&] {

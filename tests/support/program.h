@@ -59,6 +59,15 @@ class Child {
 
   pid_t id() const { return id_; }
 
+  /// The standard error up to this text, which the program writes while it runs; all of it if the
+  /// program ends before.
+  std::string messages_until(std::string_view text) {
+    char c = 0;
+    while (outcome_.messages.find(text) == std::string::npos && read(err_, &c, 1) == 1)
+      outcome_.messages += c;
+    return outcome_.messages;
+  }
+
   /// Reads until the program ends; kills it after `limit`.
   ProgramResult wait(std::chrono::seconds limit = std::chrono::seconds(120)) {
     const auto end = std::chrono::steady_clock::now() + limit;
