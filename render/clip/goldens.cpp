@@ -27,6 +27,19 @@ Snapshot simulate(const scenes::Scene& scene, const scenes::GoldenFrame& frame) 
   return simulation.state();
 }
 
+/// The largest distance (m) between like particles and poses; infinite if they are not of one
+/// scene.
+double distance(const draw::FrameState& a, const draw::FrameState& b) {
+  double largest = golden::distance(a.state, b.state);
+  if (a.bones.size() != b.bones.size()) return INFINITY;
+  for (std::size_t c = 0; c < a.bones.size(); ++c) {
+    if (a.bones[c].size() != b.bones[c].size()) return INFINITY;
+    for (std::size_t i = 0; i < a.bones[c].size(); ++i)
+      largest = std::max(largest, golden::distance(a.bones[c][i], b.bones[c][i]));
+  }
+  return largest;
+}
+
 }  // namespace
 
 /// A scene that is ready to be drawn.
@@ -65,12 +78,17 @@ FrameResult Goldens::check(const scenes::GoldenFrame& frame) {
   }
   golden::GoldenRecord record = golden::read_golden(file(frame, ".json"));
   Set& set = set_of(frame);
-  const Snapshot today = simulate(set.scene, frame);
-  if (frame.frame == 0) record.state = today;  // the scene's own start
-  result.distance = golden::distance(today, record.state);
+  const draw::FrameState today = set.film.instant(simulate(set.scene, frame));
+  draw::FrameState kept = today;
+  if (frame.frame > 0) {  // else it is the scene's own start
+    kept.state = record.state;
+    kept.bones = record.bones;
+  }
+  result.distance = distance(today, kept);
   if (std::isinf(result.distance)) {
     result.failure =
-        "the scene has other particles or bodies than the kept state; look at it, and accept it";
+        "the scene has other particles, bodies or bones than the kept state; look at it, and "
+        "accept it";
     return result;
   }
   picture::Picture golden = picture::read_png(file(frame, ".png"));
@@ -81,7 +99,7 @@ FrameResult Goldens::check(const scenes::GoldenFrame& frame) {
     return result;
   }
   result.golden = std::move(golden);
-  result.actual = set.film.draw(set.film.instant(record.state));
+  result.actual = set.film.draw(kept);
   result.comparison = golden::compare(*result.actual, driver_, *result.golden, record);
   const golden::PictureDifference& d = result.comparison.difference;
   if (!result.comparison.same)
@@ -111,12 +129,18 @@ std::string Goldens::accept(const scenes::GoldenFrame& frame, bool simulate_anew
     record = golden::read_golden(file(frame, ".json"));
     before = picture::read_png(file(frame, ".png"));
   }
-  const Snapshot today = simulate(set.scene, frame);
-  if (frame.frame == 0) record.state = today;
-  const bool moved = !(golden::distance(today, record.state) <= frame.within);
-  if (moved || simulate_anew) record.state = today;
-  const picture::Picture picture = set.film.draw(set.film.instant(record.state));
-  if (frame.frame == 0) record.state = {};
+  draw::FrameState shown = set.film.instant(simulate(set.scene, frame));
+  bool moved = false;
+  if (frame.frame > 0) {
+    draw::FrameState as_kept = shown;
+    as_kept.state = record.state;
+    as_kept.bones = record.bones;
+    moved = !(distance(shown, as_kept) <= frame.within);
+    if (!moved && !simulate_anew) shown = std::move(as_kept);
+    record.state = shown.state;
+    record.bones = shown.bones;
+  }
+  const picture::Picture picture = set.film.draw(shown);
   record.driver = driver_;
   write_picture(file(frame, ".png"), picture);
   write_text(file(frame, ".json"), golden::golden_text(record));

@@ -35,7 +35,14 @@ GoldenRecord read_golden(const std::filesystem::path& file) {
 GoldenRecord golden_from(const std::string& text, const std::filesystem::path& file) {
   try {
     const nlohmann::json record = nlohmann::json::parse(text);
-    return {record.at("driver").get<std::string>(), snapshot_from(record.at("state"))};
+    GoldenRecord golden{record.at("driver").get<std::string>(), snapshot_from(record.at("state"))};
+    if (record.contains("bones")) {
+      for (const auto& character : record.at("bones")) {
+        std::vector<Pose>& poses = golden.bones.emplace_back();
+        for (const auto& pose : character) poses.push_back(pose_from(pose));
+      }
+    }
+    return golden;
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
@@ -45,7 +52,12 @@ GoldenRecord golden_from(const std::string& text, const std::filesystem::path& f
 }
 
 std::string golden_text(const GoldenRecord& record) {
-  const Json json_record = {{"driver", record.driver}, {"state", to_json(record.state)}};
+  Json json_record = {{"driver", record.driver}, {"state", to_json(record.state)}};
+  for (const std::vector<Pose>& character : record.bones) {
+    Json poses = Json::array();
+    for (const Pose& pose : character) poses.push_back(to_json(pose));
+    json_record["bones"].push_back(std::move(poses));
+  }
   return json_record.dump() + "\n";
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "render/golden/picture_difference.h"
 #include "render/picture/picture.h"
@@ -15,11 +16,15 @@ namespace taut::golden {
 /// version, without the backend and the width of its vectors, which depends on the processor.
 std::string driver_of(const std::string& description);
 
-/// The record of a frame beside its picture. The state is the simulation's, not to be simulated
-/// again: slack motion is chaotic, and differs between machines.
+/// The poses of characters' bones, [character][bone], world space.
+using Bones = std::vector<std::vector<Pose>>;
+
+/// The record of a frame beside its picture. State and bones are those of the accepted picture, not
+/// to be simulated again: slack cords and hanging cloth are chaotic and differ between machines.
 struct GoldenRecord {
   std::string driver;  // that drew the picture
   Snapshot state;      // empty of a scene's first frame, which the scene describes
+  Bones bones = {};    // likewise
 };
 
 /// Reads NAME.json. Throws BadAsset that names the file and what is wrong with it.

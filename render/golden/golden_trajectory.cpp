@@ -117,6 +117,16 @@ TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryReco
   return result;
 }
 
+double distance(const Pose& a, const Pose& b) {
+  constexpr double kArm = 0.1;  // m
+  double largest = (a.position - b.position).norm();
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 arm = kArm * Vec3::Unit(axis);
+    largest = std::max(largest, (a.to_world(arm) - b.to_world(arm)).norm());
+  }
+  return largest;
+}
+
 double distance(const Snapshot& a, const Snapshot& b) {
   constexpr double kOther = std::numeric_limits<double>::infinity();
   if (a.connectors.size() != b.connectors.size() || a.bodies.size() != b.bodies.size())
@@ -128,7 +138,7 @@ double distance(const Snapshot& a, const Snapshot& b) {
       largest = std::max(largest, (a.connectors[c][i] - b.connectors[c][i]).norm());
   }
   for (std::size_t i = 0; i < a.bodies.size(); ++i)
-    largest = std::max(largest, (a.bodies[i].position - b.bodies[i].position).norm());
+    largest = std::max(largest, distance(a.bodies[i], b.bodies[i]));
   return largest;
 }
 

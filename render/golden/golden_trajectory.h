@@ -33,8 +33,11 @@ struct TrajectoryComparison {
 TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryRecord& kept,
                              double within);
 
-/// The largest distance between like points of two states, m; infinite where they are not of one
-/// world.
+/// The largest distance (m) between like points of two poses: the origins, and the points 0.1 m
+/// from them along each axis.
+double distance(const Pose& a, const Pose& b);
+/// The largest distance (m) between like particles and poses of two states; infinite if they are
+/// not of one world.
 double distance(const Snapshot& a, const Snapshot& b);
 
 }  // namespace taut::golden

@@ -17,6 +17,17 @@ Vec3 vec3(const nlohmann::json& list) {
 
 }  // namespace
 
+nlohmann::ordered_json to_json(const Pose& pose) {
+  const Quat& q = pose.rotation;
+  return {{"position", to_json(pose.position)}, {"rotation", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+Pose pose_from(const nlohmann::json& json) {
+  const auto& q = json.at("rotation");
+  const auto part = [&](std::size_t i) { return q.at(i).get<double>(); };
+  return {vec3(json.at("position")), Quat(part(0), part(1), part(2), part(3)).normalized()};
+}
+
 nlohmann::ordered_json to_json(const Snapshot& state) {
   Json connectors = Json::array(), bodies = Json::array();
   for (const auto& particles : state.connectors) {
@@ -24,11 +35,7 @@ nlohmann::ordered_json to_json(const Snapshot& state) {
     for (const Vec3& particle : particles) list.push_back(to_json(particle));
     connectors.push_back(std::move(list));
   }
-  for (const Pose& body : state.bodies) {
-    const Quat& q = body.rotation;
-    bodies.push_back(
-        {{"position", to_json(body.position)}, {"rotation", {q.w(), q.x(), q.y(), q.z()}}});
-  }
+  for (const Pose& body : state.bodies) bodies.push_back(to_json(body));
   nlohmann::ordered_json json{{"time", state.time}, {"connectors", connectors}, {"bodies", bodies}};
   if (!state.passed.empty()) json["passed"] = state.passed;
   return json;
@@ -41,12 +48,7 @@ Snapshot snapshot_from(const nlohmann::json& json) {
     auto& particles = state.connectors.emplace_back();
     for (const auto& particle : list) particles.push_back(vec3(particle));
   }
-  for (const auto& body : json.at("bodies")) {
-    const auto& q = body.at("rotation");
-    const auto part = [&](std::size_t i) { return q.at(i).get<double>(); };
-    state.bodies.push_back(
-        {vec3(body.at("position")), Quat(part(0), part(1), part(2), part(3)).normalized()});
-  }
+  for (const auto& body : json.at("bodies")) state.bodies.push_back(pose_from(body));
   state.passed = json.value("passed", std::vector<double>());
   return state;
 }

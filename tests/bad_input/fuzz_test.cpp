@@ -134,7 +134,7 @@ Snapshot state() {
 }
 
 std::vector<std::string> goldens() {
-  return {golden::golden_text({"driver", state()})};
+  return {golden::golden_text({"driver", state(), {{{Vec3(1, 2, 3), Quat(0, 1, 0, 0)}}}})};
 }
 
 std::vector<std::string> trajectories() {

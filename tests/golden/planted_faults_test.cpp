@@ -42,14 +42,20 @@ class PlantedFaults : public testing::Test {
     return golden::read_golden(kFolder / (frame.name + ".json"));
   }
 
-  picture::Picture draw(const scenes::Scene& scene, const Snapshot& state, int samples = kSamples,
-                        const draw::Shading& shadows = {}) {
+  picture::Picture draw(const scenes::Scene& scene, const golden::GoldenRecord& record,
+                        int samples = kSamples, const draw::Shading& shadows = {}) {
     film::Film film(studio_->context, scene, suite_.width, suite_.height, samples, shadows);
-    return film.draw(film.instant(state));
+    return film.draw(kept(film, record));
   }
 
-  picture::Picture draw(const Snapshot& state) {
-    return studio_->film.draw(studio_->film.instant(state));
+  picture::Picture draw(const golden::GoldenRecord& record) {
+    return studio_->film.draw(kept(studio_->film, record));
+  }
+
+  static draw::FrameState kept(const film::Film& film, const golden::GoldenRecord& record) {
+    draw::FrameState instant = film.instant(record.state);
+    instant.bones = record.bones;
+    return instant;
   }
 
   /// How a picture of the frame would compare if `driver` drew it.
@@ -66,10 +72,9 @@ class PlantedFaults : public testing::Test {
   }
 
   /// The state with the last body moved in the picture, across its length.
-  Snapshot stick_moved(const Snapshot& state, double pixels) const {
-    const scenes::CameraView camera = scenes::camera_at(scene_.stage->camera, state.time);
-    Snapshot moved = state;
-    Pose& stick = moved.bodies.back();
+  golden::GoldenRecord stick_moved(golden::GoldenRecord moved, double pixels) const {
+    const scenes::CameraView camera = scenes::camera_at(scene_.stage->camera, moved.state.time);
+    Pose& stick = moved.state.bodies.back();
     const Vec3 forward = (camera.target - camera.position).normalized();
     const double depth = (stick.position - camera.position).dot(forward);
     const double pixel = 2 * depth * std::tan(camera.field_of_view / 2) / suite_.height;  // m
@@ -89,7 +94,7 @@ class PlantedFaults : public testing::Test {
 
 TEST_F(PlantedFaults, NothingPlantedPassesByEveryTolerance) {
   for (const scenes::GoldenFrame& frame : suite_.frames) {
-    const picture::Picture picture = draw(record(frame).state);
+    const picture::Picture picture = draw(record(frame));
     for (const std::string& driver : {driver_, other_driver_})
       EXPECT_TRUE(compared(picture, frame, driver).same)
           << frame.name
@@ -99,14 +104,14 @@ TEST_F(PlantedFaults, NothingPlantedPassesByEveryTolerance) {
 
 TEST_F(PlantedFaults, AStickOnePixelOffIsSeen) {
   for (const scenes::GoldenFrame& frame : suite_.frames)
-    expect_caught(draw(stick_moved(record(frame).state, 1)), frame);
+    expect_caught(draw(stick_moved(record(frame), 1)), frame);
 }
 
 TEST_F(PlantedFaults, AStickThreePixelsOffIsSeenEvenByAnotherDriver) {
   // Where a hand or the other stick covers it, nothing can be seen: most frames tell.
   std::size_t seen = 0;
   for (const scenes::GoldenFrame& frame : suite_.frames) {
-    const picture::Picture picture = draw(stick_moved(record(frame).state, 3));
+    const picture::Picture picture = draw(stick_moved(record(frame), 3));
     seen += !compared(picture, frame, other_driver_).same;
   }
   EXPECT_GT(2 * seen, suite_.frames.size());
@@ -115,33 +120,32 @@ TEST_F(PlantedFaults, AStickThreePixelsOffIsSeenEvenByAnotherDriver) {
 TEST_F(PlantedFaults, AMissingLinkIsSeen) {
   // A link is drawn between particles: without the last particle there is one less.
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  Snapshot state = record(frame).state;
-  state.connectors.front().pop_back();
-  expect_caught(draw(state), frame);
+  golden::GoldenRecord short_of_one = record(frame);
+  short_of_one.state.connectors.front().pop_back();
+  expect_caught(draw(short_of_one), frame);
 }
 
 TEST_F(PlantedFaults, ALightTwoPercentOffIsSeen) {
   scenes::Scene scene = scene_;
   scene.stage->light.color *= 0.98;
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  expect_caught(draw(scene, record(frame).state), frame);
+  expect_caught(draw(scene, record(frame)), frame);
 }
 
 TEST_F(PlantedFaults, MissingAntialiasingIsSeen) {
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  expect_caught(draw(scene_, record(frame).state, 1), frame);
+  expect_caught(draw(scene_, record(frame), 1), frame);
 }
 
 TEST_F(PlantedFaults, AShadowMapOfHalfTheSizeIsSeen) {
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  expect_caught(
-      draw(scene_, record(frame).state, kSamples, {.map_size = draw::Shading().map_size / 2}),
-      frame);
+  expect_caught(draw(scene_, record(frame), kSamples, {.map_size = draw::Shading().map_size / 2}),
+                frame);
 }
 
 TEST_F(PlantedFaults, MissingContactShadowIsSeen) {
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  expect_caught(draw(scene_, record(frame).state, kSamples, {.contact = false}), frame);
+  expect_caught(draw(scene_, record(frame), kSamples, {.contact = false}), frame);
 }
 
 TEST_F(PlantedFaults, AWrongBoneWeightIsSeen) {
@@ -150,7 +154,7 @@ TEST_F(PlantedFaults, AWrongBoneWeightIsSeen) {
     for (scenes::Vertex& vertex : model.meshes.front().vertices) vertex.weights = {1, 0, 0, 0};
   });
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  expect_caught(draw(scene, record(frame).state), frame);
+  expect_caught(draw(scene, record(frame)), frame);
 }
 
 }  // namespace
