@@ -20,7 +20,7 @@ import sys
 
 from markdown_tables import cells
 import results_engines  # adds its results
-from results_tables import RESULTS, Failed
+from results_tables import ANIMATIONS, RESULTS, Failed, check_animation
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PLACE = re.compile(r"<!-- results: ([a-z-]+) -->\n(.*?)<!-- /results -->\n", re.DOTALL)
@@ -122,6 +122,13 @@ def main():
         except (Failed, OSError, ValueError, KeyError, IndexError) as problem:
             print(f"results.py: {name}: {type(problem).__name__}: {problem}", file=sys.stderr)
             failures += 1
+    if options.check:
+        for name in ANIMATIONS:
+            try:
+                check_animation(SOURCE, name)
+            except (Failed, OSError) as problem:
+                print(f"results.py: {problem}", file=sys.stderr)
+                failures += 1
     return 1 if failures else 0
 
 

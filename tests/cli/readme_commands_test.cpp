@@ -255,7 +255,7 @@ TEST(ReadmeCommands, LinkedFilesAreThere) {
 
 TEST(Readme, IsShort) {
   const std::string text = read_file(kSource / "README.md");
-  EXPECT_LE(std::ranges::count(text, '\n'), 150);
+  EXPECT_LE(std::ranges::count(text, '\n'), 120);
 }
 
 /// Every result has its place, with machine, date and commit; what no clock measures is up to date.
