@@ -80,6 +80,7 @@ int compare(const program::Common& common, const Options& options) {
     std::tie(scene.width, scene.height) = program::picture_size(options.size);
   scenes::complete_stage(scene, options::scene_changes(options.study.inputs.set),
                          render::stop_if_interrupted);
+  options::tell_left_out(scene, common);
   if (!options.no_video && (scene.width % 2 || scene.height % 2))
     throw program::Misuse(
         fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides",

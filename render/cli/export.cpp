@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "render/base/interrupt.h"
 #include "render/export/bvh.h"
@@ -20,6 +21,7 @@
 #include "render/program/note.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
+#include "scenes/files/printable.h"
 #include "scenes/load/default_stage.h"
 #include "scenes/scene/scene.h"
 
@@ -100,6 +102,19 @@ options::Needs needs_of(const scenes::Scene& scene, const Format& format) {
   return needs;
 }
 
+/// No format here has pictures.
+void tell_textures(const scenes::Stage& stage) {
+  std::set<std::string> told;
+  for (const auto* models : {&stage.scenery, &stage.body_models, &stage.characters}) {
+    for (const auto& model : *models) {
+      if (model && !model->textures.empty() && told.insert(model->name).second) {
+        program::note("warning: {}: its textures are not exported\n",
+                      scenes::printable(model->name));
+      }
+    }
+  }
+}
+
 int run(const Options& options, const program::Common& common) {
   const Format& format = chosen_format(options);
   scenes::Scene scene = options::load_chosen(options.scene, format.stage, options.method);
@@ -122,6 +137,8 @@ int run(const Options& options, const program::Common& common) {
   if (format.stage)
     scenes::complete_stage(scene, options::chosen_changes(options.method),
                            render::stop_if_interrupted);
+  options::tell_left_out(scene, common);
+  if (!common.quiet && scene.stage) tell_textures(*scene.stage);
   if (scene.stage && !options.scenery) scene.stage->scenery.clear();
   program::Output output(name);
   exporting::Figures figures;

@@ -12,6 +12,7 @@
 #include "render/film/fingerprint.h"
 #include "render/film/video.h"
 #include "render/options/needs.h"
+#include "render/options/scene_options.h"
 #include "render/program/frame_list.h"
 #include "render/program/note.h"
 #include "scenes/load/default_stage.h"
@@ -115,6 +116,7 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
   scene.fps = fps;
   scene.method = options::chosen_method(options.method, scene);
   if (!options.method.planned) complete();
+  options::tell_left_out(scene, common);
   if (options.output.preview) {
     scene.stage->shutter = 0;
     options.no_estimate = true;

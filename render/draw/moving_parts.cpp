@@ -19,9 +19,15 @@ Matrix4f matrix(const Pose& pose) {
 }  // namespace
 
 std::vector<Drawable> drawables(const gl::Gl& gl, const scenes::Model& model) {
+  std::vector<std::shared_ptr<const gl::GlObject>> textures;
+  for (const scenes::Texture& texture : model.textures)
+    textures.push_back(std::make_shared<const gl::GlObject>(make_picture_texture(gl, texture)));
   std::vector<Drawable> result;
-  for (const scenes::Mesh& mesh : model.meshes)
-    result.emplace_back(gl, mesh, model.materials[mesh.material]);
+  for (const scenes::Mesh& mesh : model.meshes) {
+    const scenes::Material& material = model.materials[mesh.material];
+    result.emplace_back(gl, mesh, material,
+                        material.texture < 0 ? nullptr : textures[std::size_t(material.texture)]);
+  }
   return result;
 }
 

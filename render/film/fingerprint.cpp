@@ -19,12 +19,21 @@ void add(Hash& hash, const Pose& pose) {
 }
 
 void add(Hash& hash, const scenes::Model& model) {
+  for (const scenes::Texture& t : model.textures) {
+    hash.number(t.width).number(t.height).number(t.wrap_u).number(t.wrap_v);
+    hash.number(t.magnify).number(t.minify).bytes(t.pixels.data(), t.pixels.size());
+  }
   for (const scenes::Material& m : model.materials)
-    hash.text(m.name).number(m.base_color).number(m.roughness).number(m.metallic);
+    hash.text(m.name).number(m.texture).number(m.base_color).number(m.roughness).number(m.metallic);
   for (const scenes::Mesh& mesh : model.meshes) {
     hash.number(mesh.material).number(mesh.vertices.size());
     for (const scenes::Vertex& v : mesh.vertices)
-      hash.number(v.position).number(v.normal).number(v.color).number(v.bones).number(v.weights);
+      hash.number(v.position)
+          .number(v.normal)
+          .number(v.color)
+          .number(v.uv)
+          .number(v.bones)
+          .number(v.weights);
     hash.number(mesh.indices.size())
         .bytes(mesh.indices.data(), mesh.indices.size() * sizeof mesh.indices[0]);
   }

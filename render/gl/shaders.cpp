@@ -25,6 +25,10 @@ layout(binding = 3) uniform sampler2D backdrop;  // its light, blurred by the le
 #if BATHED
 in vec3 bath;
 #endif
+#if TEXTURED
+in vec2 uv;
+layout(binding = 7) uniform sampler2D picture;
+#endif
 
 // What lies beyond the map's depths is lit where nothing is in them.
 float shadow_depth() { return min(shadow_position.z, 1.0); }
@@ -209,6 +213,9 @@ void main() {
   vec3 n = normalize(world_normal);
   // Beyond a triangle's edge, where a pixel's middle may lie, what varies over it may be below 0.
   vec3 albedo = base_color * max(tint, 0);
+#if TEXTURED
+  albedo *= texture(picture, uv).rgb;
+#endif
   float roughness = base_roughness;
   vec3 wrap = vec3(0);   // how far diffuse light reaches round the terminator
 

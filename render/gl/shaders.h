@@ -16,7 +16,8 @@ extern const char* const contact;
 
 /// Lit surfaces. Defines: SURFACE (a Surface), SHADE (a Shade), OUTPUT (an Output), GLOSSY (1: it
 /// mirrors the room where MIRROR is 1), BATHED (1: ambient light comes with the vertices), FINE (1:
-/// light that changes slowly is found at the vertices).
+/// light that changes slowly is found at the vertices), TEXTURED (1: a picture multiplies the
+/// colour).
 extern const char* const surface_vertex;
 extern const char* const surface_fragment;
 

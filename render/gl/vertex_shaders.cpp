@@ -27,6 +27,10 @@ out vec3 world_position, world_normal, rest_position, tint, shadow_position;
 layout(location = 4) in vec3 light;
 out vec3 bath;
 #endif
+#if TEXTURED
+layout(location = 5) in vec2 place_on_picture;
+out vec2 uv;
+#endif
 #if FINE
 out vec2 soft_light;  // past the scenery, past capsules
 #endif
@@ -40,6 +44,9 @@ void main() {
   bath = light;
 #endif
   shadow_position = (light_projection * vec4(world_position + eye.w * world_normal, 1)).xyz;
+#if TEXTURED
+  uv = place_on_picture;
+#endif
 #if FINE
   soft_light = vec2(past_scenery(world_position), contact_light(world_position, normalize(world_normal)));
 #endif

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "render/base/atomic_file.h"
 #include "render/program/note.h"
 #include "render/program/program.h"
@@ -72,6 +74,14 @@ void tell_old_keys(const SceneOptions& options, const program::Common& common) {
       for (const std::string& told : scenes::old_keys(scene)) program::note("{}\n", told);
     } catch (const scenes::BadScene&) {  // whoever reads it for its work says so
     }
+  }
+}
+
+void tell_left_out(const scenes::Scene& scene, const program::Common& common) {
+  static std::set<std::string> told;
+  if (common.quiet || !scene.stage) return;
+  for (const std::string& line : scenes::left_out(*scene.stage)) {
+    if (told.insert(line).second) program::note("warning: {}\n", line);
   }
 }
 

@@ -35,6 +35,9 @@ std::vector<scenes::SceneChange> scene_changes(const std::vector<std::string>& s
 /// Tells of keys in the scenes that have another name now, unless the run is quiet.
 void tell_old_keys(const SceneOptions& options, const program::Common& common);
 
+/// Tells what the files of a scene's models hold that is not drawn, unless the run is quiet; once.
+void tell_left_out(const scenes::Scene& scene, const program::Common& common);
+
 /// Runs `work` for each scene, one after another; with --json and several scenes their results are
 /// the elements of one list. A scene that fails does not keep the others from their turn. Returns
 /// the first exit code that is not 0.

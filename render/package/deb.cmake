@@ -60,7 +60,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox | gnuplot, libo
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${TAUT_PYTHON_DEPENDS}")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "taut (= ${package_version})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libtaut0 (= ${package_version}), libeigen3-dev")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libassimp-dev, libdeflate-dev, libfmt-dev, libfreetype-dev, libpng-dev, libsimbody-dev, libtomlplusplus-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libassimp-dev, libdeflate-dev, libfmt-dev, libfreetype-dev, libjpeg-dev, libpng-dev, libsimbody-dev, libtomlplusplus-dev")
 
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")

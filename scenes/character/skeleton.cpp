@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "scenes/files/error.h"
+#include "scenes/files/regular_file.h"
 
 namespace taut::scenes {
 namespace {
@@ -32,7 +32,7 @@ Skeleton::Skeleton(const Model& model) : model_(model) {
 
 std::size_t Skeleton::find(std::string_view name) const {
   const int index = model_.bone(name);
-  if (index < 0) throw BadAsset(fmt::format("{}: has no bone \"{}\"", model_.name, name));
+  if (index < 0) throw bad_asset(model_.name, fmt::format("has no bone \"{}\"", name));
   return static_cast<std::size_t>(index);
 }
 

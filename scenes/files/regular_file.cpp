@@ -6,9 +6,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstring>
 #include <new>
+#include <utility>
+#include <vector>
 
+#include "scenes/files/printable.h"
 #include "scenes/files/standard_input.h"
 
 namespace taut::scenes {
@@ -45,34 +49,154 @@ std::string read_all(int file, const std::filesystem::path& name, std::size_t li
 }
 
 /// An open file, closed at its end.
-struct Handle {
-  int number;
+class Handle {
+ public:
+  explicit Handle(int number) : number_(number) {}
+  Handle(Handle&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Handle& operator=(Handle&&) = delete;
   ~Handle() {
-    if (number >= 0) close(number);
+    if (number_ >= 0) close(number_);
   }
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+constexpr int kReading = O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK;  // a pipe's would wait
+
+[[noreturn]] void fail_to_open(const std::filesystem::path& shown) {
+  if (errno == ENOMEM) throw std::bad_alloc();
+  throw bad_asset(shown, fmt::format("cannot be opened: {}", std::strerror(errno)));
+}
+
+/// The bytes of what is open, if it is a regular file.
+std::string read_regular(const Handle& handle, const std::filesystem::path& shown,
+                         std::size_t limit, std::string_view expected) {
+  if (handle.number() < 0) fail_to_open(shown);
+  struct stat status {};
+  if (fstat(handle.number(), &status) != 0) {
+    throw bad_asset(shown, fmt::format("cannot be read: {}", std::strerror(errno)));
+  }
+  if (!S_ISREG(status.st_mode)) {
+    throw bad_asset(shown, fmt::format("is {}, expected {}", kind_of(status.st_mode), expected));
+  }
+  return read_all(handle.number(), shown, limit, expected);
+}
+
+/// A way from a folder down, followed part by part without ever leaving it.
+class WayBeneath {
+ public:
+  WayBeneath(const std::filesystem::path& root, const std::filesystem::path& name,
+             const std::filesystem::path& shown)
+      : root_(root), shown_(shown) {
+    folders_.emplace_back(open(root.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (folders_[0].number() < 0) fail_to_open(shown_);
+    add(name);
+  }
+
+  /// The file at its end, open; nothing where there is none.
+  std::optional<Handle> open_file(std::string_view expected) {
+    while (!left_.empty()) {
+      const std::string part = std::move(left_.back());
+      left_.pop_back();
+      if (part == "..") {
+        if (folders_.size() == 1) fail_outside();
+        folders_.pop_back();
+        continue;
+      }
+      struct stat status {};
+      if (fstatat(folder(), part.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) {
+        if (errno == ENOENT || errno == ENOTDIR) return {};
+        fail_to_open(shown_);
+      }
+      if (S_ISLNK(status.st_mode)) {
+        follow(part);
+      } else if (S_ISDIR(status.st_mode)) {
+        enter(part);
+      } else if (!left_.empty()) {
+        return {};
+      } else {
+        if (!S_ISREG(status.st_mode)) fail_as(status.st_mode, expected);
+        return Handle(openat(folder(), part.c_str(), kReading | O_NOFOLLOW));
+      }
+    }
+    fail_as(S_IFDIR, expected);
+  }
+
+ private:
+  static constexpr int kLinks = 40;  // as many as the system follows
+  static constexpr std::size_t kDepth = 128;
+
+  int folder() const { return folders_.back().number(); }
+  [[noreturn]] void fail(const std::string& cause) const { throw bad_asset(shown_, cause); }
+  [[noreturn]] void fail_as(mode_t mode, std::string_view expected) const {
+    fail(fmt::format("is {}, expected {}", kind_of(mode), expected));
+  }
+  [[noreturn]] void fail_outside() const {
+    fail(fmt::format("{}leads out of {}", links_ > 0 ? "is a link that " : "", root_.string()));
+  }
+
+  /// Goes `name` from here, then what is left.
+  void add(const std::filesystem::path& name) {
+    std::vector<std::string> parts;
+    for (const std::filesystem::path& part : name.relative_path()) {
+      if (!part.empty() && part != ".") parts.push_back(part.string());
+    }
+    if (name.is_absolute()) {
+      std::size_t known = 0;
+      for (const std::filesystem::path& part : root_.relative_path()) {
+        if (part.empty()) continue;
+        if (known == parts.size() || part != parts[known]) fail_outside();
+        ++known;
+      }
+      parts.erase(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(known));
+      while (folders_.size() > 1) folders_.pop_back();
+    }
+    left_.insert(left_.end(), parts.rbegin(), parts.rend());
+  }
+
+  void follow(const std::string& link) {
+    if (++links_ > kLinks) fail(fmt::format("is a chain of more than {} links", kLinks));
+    std::string target(PATH_MAX, '\0');
+    const ssize_t size = readlinkat(folder(), link.c_str(), target.data(), target.size());
+    if (size < 0) fail_to_open(shown_);
+    target.resize(static_cast<std::size_t>(size));
+    add(target);
+  }
+
+  void enter(const std::string& name) {
+    if (folders_.size() > kDepth) fail(fmt::format("lies more than {} folders deep", kDepth));
+    folders_.emplace_back(
+        openat(folder(), name.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    if (folder() < 0) fail_to_open(shown_);
+  }
+
+  const std::filesystem::path& root_;
+  const std::filesystem::path& shown_;
+  std::vector<Handle> folders_;    // from the root down to here
+  std::vector<std::string> left_;  // parts of the way, the next one last
+  int links_ = 0;
 };
 
 }  // namespace
 
 BadAsset bad_asset(const std::filesystem::path& file, const std::string& cause) {
-  return BadAsset(fmt::format("{}: {}", file.string(), cause));
+  return BadAsset(fmt::format("{}: {}", printable(file.string()), printable(cause)));
 }
 
 std::string read_regular_file(const std::filesystem::path& file, std::size_t limit,
                               std::string_view expected) {
-  const auto fail = [&](const std::string& cause) { throw bad_asset(file, cause); };
-  // A pipe would make a blocking open wait for its writer.
-  const Handle handle{open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
-  if (handle.number < 0 && errno == ENOMEM) throw std::bad_alloc();
-  if (handle.number < 0) fail(fmt::format("cannot be opened: {}", std::strerror(errno)));
-  struct stat status {};
-  if (fstat(handle.number, &status) != 0) {
-    fail(fmt::format("cannot be read: {}", std::strerror(errno)));
-  }
-  if (!S_ISREG(status.st_mode)) {
-    fail(fmt::format("is {}, expected {}", kind_of(status.st_mode), expected));
-  }
-  return read_all(handle.number, file, limit, expected);
+  return read_regular(Handle(open(file.c_str(), kReading)), file, limit, expected);
+}
+
+std::optional<std::string> read_beneath(const std::filesystem::path& root,
+                                        const std::filesystem::path& name, std::size_t limit,
+                                        std::string_view expected, const std::string& shown) {
+  const std::filesystem::path called(shown);
+  const std::optional<Handle> file = WayBeneath(root, name, called).open_file(expected);
+  if (!file) return {};
+  return read_regular(*file, called, limit, expected);
 }
 
 std::string read_standard_input(std::size_t limit, std::string_view expected) {

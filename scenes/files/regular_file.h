@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,7 +10,7 @@
 
 namespace taut::scenes {
 
-/// A message in the form of all asset errors: the file's name, then the cause.
+/// A message in the form of all asset errors: the file's name, then the cause, both printable().
 BadAsset bad_asset(const std::filesystem::path& file, const std::string& cause);
 
 /// The bytes of a regular file, which never keeps a reader waiting. `expected` is what it should
@@ -18,7 +19,15 @@ BadAsset bad_asset(const std::filesystem::path& file, const std::string& cause);
 std::string read_regular_file(const std::filesystem::path& file, std::size_t limit,
                               std::string_view expected);
 
-/// The same of anything up to 1 GiB.
+/// The bytes of a regular file at `name`, relative to the folder `root` (canonical). Links are
+/// followed inside of `root` only, whoever changes them meanwhile: each folder on the way is opened
+/// from the one before. Nothing where there is no such file. Throws BadAsset in the name of
+/// `shown`: as read_regular_file(), and where the way leads out of `root`.
+std::optional<std::string> read_beneath(const std::filesystem::path& root,
+                                        const std::filesystem::path& name, std::size_t limit,
+                                        std::string_view expected, const std::string& shown);
+
+/// The same as read_regular_file() of anything up to 1 GiB.
 std::string read_bytes(const std::filesystem::path& file);
 
 }  // namespace taut::scenes

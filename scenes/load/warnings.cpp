@@ -157,6 +157,7 @@ std::vector<std::string> warnings_of(const Scene& scene, double seconds,
   }
   look_at_beads(scene.world, warnings);
   if (!scene.stage) return warnings;
+  std::ranges::copy(left_out(*scene.stage), std::back_inserter(warnings));
   look_at_hands(scene, warnings);
   look_through_camera(scene, seconds, tick, warnings);
   return warnings;

@@ -3,15 +3,18 @@
 
 #include <bit>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "scenes/model/gltf_source.h"
+#include "scenes/model/gltf_textures.h"
 #include "scenes/model/limits.h"
 
 namespace taut::scenes {
 namespace {
 
 constexpr std::size_t triangles = 4, triangle_fan = 6;
+constexpr std::size_t kNone = ~std::size_t{0};  // no index
 
 void append32(std::string& bytes, std::size_t value) {
   for (int i = 0; i < 4; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
@@ -19,18 +22,50 @@ void append32(std::string& bytes, std::size_t value) {
 
 class Reduction {
  public:
-  explicit Reduction(const GltfSource& source) : in_(source) {}
+  Reduction(const GltfSource& source, NamedFiles& files) : in_(source), textures_(source, files) {}
 
-  std::string glb() {
+  CheckedGltf run() {
     const std::vector<std::size_t> roots = walk_nodes();
+    note_left_out();
     for (std::size_t i = 0; i < in_.list("materials").size(); ++i) copy_material(i);
     copy_skins();
     for (std::size_t i = 0; i < in_.list("meshes").size(); ++i) copy_mesh(i);
+    if (!out_.contains("meshes")) in_.fail("has no triangles");
     copy_nodes(roots);
-    return pack();
+    checked_.glb = pack();
+    checked_.textures = textures_.take();
+    for (const auto& [what, where] : textures_.left_out()) leave_out(what, where);
+    for (const auto& [what, found] : left_out_) {
+      checked_.left_out.push_back(
+          found.count == 1 ? fmt::format("{} ({})", what, found.where)
+                           : fmt::format("{} ({}, {} in all)", what, found.where, found.count));
+    }
+    return std::move(checked_);
   }
 
  private:
+  struct Found {
+    std::string where;  // the first of them
+    std::size_t count = 0;
+  };
+
+  void leave_out(const std::string& what, const std::string& where) {
+    Found& found = left_out_[what];
+    if (found.count++ == 0) found.where = where;
+  }
+
+  void note_left_out() {
+    for (const char* key : {"animations", "cameras"}) {
+      for (std::size_t i = 0; i < in_.list(key).size(); ++i) {
+        leave_out(key, fmt::format("{}[{}]", key, i));
+      }
+    }
+    if (in_.list("scenes").size() > 1) leave_out("scenes but one", "scenes");
+    for (const Json& name : in_.list("extensionsUsed")) {
+      leave_out(fmt::format("the extension {}", name.dump()), "extensionsUsed");
+    }
+  }
+
   /// Adds the accessor to the result, over a view of its own; its new index.
   std::size_t emit(const GltfAccessor& a) {
     const std::size_t item_size = a.item_size();
@@ -48,20 +83,21 @@ class Reduction {
     return out_["accessors"].size() - 1;
   }
 
-  /// Adds shares of few bits as floats, behind all that the source holds.
+  /// Adds a share of few bits as floats, behind all that the source holds.
   std::size_t emit_floats(const GltfAccessor& a) {
     const float whole = a.component == u8 ? 255 : 65535;
     added_.resize((in_.binary().size() + added_.size() + 3) / 4 * 4 - in_.binary().size());
-    const std::size_t offset = in_.binary().size() + added_.size(), item_size = 4 * sizeof(float);
+    const std::size_t offset = in_.binary().size() + added_.size(),
+                      item_size = a.elements * sizeof(float);
     for (std::size_t k = 0; k < a.count; ++k)
-      for (std::size_t e = 0; e < 4; ++e)
+      for (std::size_t e = 0; e < a.elements; ++e)
         append32(added_, std::bit_cast<std::uint32_t>(float(in_.integer(a, k, e)) / whole));
     out_["bufferViews"].push_back(
         {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", a.count * item_size}});
     out_["accessors"].push_back({{"bufferView", out_["bufferViews"].size() - 1},
                                  {"componentType", f32},
                                  {"count", a.count},
-                                 {"type", "VEC4"}});
+                                 {"type", a.type}});
     return out_["accessors"].size() - 1;
   }
 
@@ -98,10 +134,10 @@ class Reduction {
 
   /// Counts what a node shows of a mesh.
   std::size_t show(std::size_t mesh) {
-    shown_ += out_["meshes"][mesh]["primitives"].size();
+    shown_ += out_["meshes"][new_mesh_[mesh]]["primitives"].size();
     if (shown_ > model_limits::meshes)
       in_.fail("its nodes show more than {} primitives", model_limits::meshes);
-    return mesh;
+    return new_mesh_[mesh];
   }
 
   void copy_nodes(const std::vector<std::size_t>& roots) {
@@ -122,11 +158,13 @@ class Reduction {
         if (size == 4 && std::abs(norm - 1) > 1e-3) in_.fail("{}.rotation is not a unit", where);
         node[key] = values;
       }
-      if (in.contains("mesh"))
-        node["mesh"] = show(in_.index(in["mesh"], out_["meshes"].size(), where + ".mesh"));
+      const std::size_t mesh =
+          in.contains("mesh") ? in_.index(in["mesh"], new_mesh_.size(), where + ".mesh") : kNone;
+      const bool shows = mesh != kNone && new_mesh_[mesh] != kNone;
+      if (shows) node["mesh"] = show(mesh);
       if (in.contains("skin")) {
-        node["skin"] = in_.index(in["skin"], out_["skins"].size(), where + ".skin");
-        if (in.contains("mesh")) check_joints(node["mesh"], node["skin"]);
+        const std::size_t skin = in_.index(in["skin"], out_["skins"].size(), where + ".skin");
+        if (shows) check_joints(mesh, node["skin"] = skin);
       }
       // Bones are found by name: names must differ, and no mesh may take a joint's.
       std::string unique = in_.name(in, fmt::format("node {}", i));
@@ -188,15 +226,21 @@ class Reduction {
       if (!primitive.is_object()) in_.fail("{}.primitives must be objects", where);
       if (++primitives_ > model_limits::meshes)
         in_.fail("more than {} primitives", model_limits::meshes);
-      mesh["primitives"].push_back(copy_primitive(primitive, where));
+      const std::size_t mode = in_.whole(primitive, "mode", where, triangles);
+      if (mode > triangle_fan) in_.fail("{} has a primitive of mode {}", where, mode);
+      if (mode < triangles) {
+        leave_out("points and lines", where);
+      } else {
+        mesh["primitives"].push_back(copy_primitive(primitive, mode, where));
+      }
     }
-    if (mesh["primitives"].empty()) in_.fail("{} has no primitives", where);
-    out_["meshes"].push_back(mesh);
+    if (in_.list(in, "primitives", where).empty()) in_.fail("{} has no primitives", where);
+    new_mesh_.push_back(mesh["primitives"].empty() ? kNone : out_["meshes"].size());
+    if (!mesh["primitives"].empty()) out_["meshes"].push_back(mesh);
   }
 
-  Json copy_primitive(const Json& in, const std::string& where) {
-    const std::size_t mode = in_.whole(in, "mode", where, triangles);
-    if (mode < triangles || mode > triangle_fan) in_.fail("{} is not made of triangles", where);
+  Json copy_primitive(const Json& in, std::size_t mode, const std::string& where) {
+    if (in.contains("targets")) leave_out("morph targets", where);
     Json out = {{"mode", mode}, {"attributes", Json::object()}};
     const auto attributes = in.find("attributes");
     if (attributes == in.end() || !attributes->is_object() || !attributes->contains("POSITION"))
@@ -236,10 +280,34 @@ class Reduction {
           in_.fail("{} has index {}, but {} vertices", where, in_.integer(a, k, 0), count);
       out["indices"] = emit(a);
     }
-    if (in.contains("material"))
-      out["material"] =
+    if (in.contains("material")) {
+      const std::size_t material =
           in_.index(in["material"], in_.list("materials").size(), where + ".material");
+      out["material"] = material;
+      if (checked_.texture_of[material] >= 0)
+        copy_coordinates(*attributes, coordinates_of(material), count, where, out);
+    }
     return out;
+  }
+
+  /// The set of coordinates that the texture of a material takes.
+  std::size_t coordinates_of(std::size_t material) const {
+    const Json& pbr = in_.item("materials", material)["pbrMetallicRoughness"];
+    return in_.whole(pbr["baseColorTexture"], "texCoord", "baseColorTexture", 0);
+  }
+
+  /// Where the vertices are on the texture, as the only such set.
+  void copy_coordinates(const Json& attributes, std::size_t set, std::size_t count,
+                        const std::string& where, Json& out) {
+    const std::string key = fmt::format("TEXCOORD_{}", set), what = where + " " + key;
+    if (!attributes.contains(key))
+      return leave_out(fmt::format("a texture without {}", key), where);
+    const GltfAccessor a = in_.accessor(attributes[key], what);
+    if (a.count != count) in_.fail("{} has {} items, but POSITION {}", what, a.count, count);
+    const bool is_share = (a.component == u8 || a.component == u16) && a.normalized;
+    if (a.type != "VEC2" || (a.component != f32 && !is_share))
+      in_.fail("{} of type {} {} is not read", what, a.type, a.component);
+    out["attributes"]["TEXCOORD_0"] = is_share ? emit_floats(a) : emit(a);
   }
 
   void note_joints(const GltfAccessor& a) {
@@ -251,6 +319,7 @@ class Reduction {
   void copy_material(std::size_t i) {
     const std::string where = fmt::format("materials[{}]", i);
     const Json& in = in_.item("materials", i);
+    checked_.texture_of.push_back(-1);
     Json factors = Json::object();
     if (const auto pbr = in.find("pbrMetallicRoughness"); pbr != in.end() && pbr->is_object()) {
       if (pbr->contains("baseColorFactor")) {
@@ -261,6 +330,18 @@ class Reduction {
       }
       for (const char* key : {"metallicFactor", "roughnessFactor"})
         if (pbr->contains(key)) factors[key] = in_.number((*pbr)[key], where + "." + key);
+      if (pbr->contains("metallicRoughnessTexture")) leave_out("metallicRoughnessTexture", where);
+      if (const auto texture = pbr->find("baseColorTexture"); texture != pbr->end())
+        checked_.texture_of.back() = textures_.index_of(*texture, where + ".baseColorTexture");
+    }
+    for (const char* key : {"normalTexture", "occlusionTexture", "emissiveTexture"})
+      if (in.contains(key)) leave_out(key, where);
+    if (const auto mode = in.find("alphaMode"); mode != in.end() && *mode != "OPAQUE")
+      leave_out("transparency", where);
+    for (const Json& light : in_.list(in, "emissiveFactor", where)) {
+      if (in_.number(light, where + ".emissiveFactor") == 0) continue;
+      leave_out("emitted light", where);
+      break;
     }
     out_["materials"].push_back(
         {{"name", in_.name(in, fmt::format("material {}", i))}, {"pbrMetallicRoughness", factors}});
@@ -285,11 +366,17 @@ class Reduction {
   }
 
   const GltfSource& in_;
+  CheckedGltf checked_;
+  GltfTextures textures_;
+  std::vector<std::size_t>
+      coordinates_;  // for each material the set of them that its texture takes
   Json out_;
   std::string added_;                   // to the source's data
   std::vector<std::size_t> new_index_;  // of a node, or the number of nodes: not in the scene
   std::vector<std::size_t> order_;      // nodes of the scene, parents first
+  std::vector<std::size_t> new_mesh_;   // kNone: it has no triangles
   std::set<std::size_t> joints_;
+  std::map<std::string, Found> left_out_;
   std::vector<std::size_t> highest_joint_;  // that a mesh names
   std::size_t vertices_ = 0, indices_ = 0, primitives_ = 0;
   std::size_t shown_ = 0;  // primitives, as often as nodes show them
@@ -297,10 +384,14 @@ class Reduction {
 
 }  // namespace
 
-std::string checked_glb(const std::filesystem::path& file, const std::string& content) {
+std::optional<CheckedGltf> checked_gltf(const std::filesystem::path& file,
+                                        const std::string& content, NamedFiles& files) {
   try {
-    const GltfSource source(file, content);
-    return Reduction(source).glb();
+    const GltfSource source(file, content, files);
+    if (!files.wanted().empty()) return {};
+    CheckedGltf checked = Reduction(source, files).run();
+    if (!files.wanted().empty()) return {};
+    return checked;
   } catch (const Json::exception& error) {  // a value of another type than anything looks for
     throw bad_asset(file, error.what());
   }

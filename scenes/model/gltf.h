@@ -2,14 +2,28 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
+
+#include "scenes/model/model.h"
+#include "scenes/model/named_files.h"
 
 namespace taut::scenes {
 
+/// A glTF file, checked and reduced.
+struct CheckedGltf {
+  std::string glb;
+  std::vector<Texture> textures;
+  std::vector<int> texture_of;        // for each material the texture of its colour, or -1
+  std::vector<std::string> left_out;  // what it held besides, a line each
+};
+
 /// `content` of a .glb or .gltf file as one self-contained GLB that holds only triangles, skins,
-/// nodes and material factors, with every offset, count and index of the original proved to be in
-/// range: the importer never sees a structure that lies. Buffers that the file names are read from
-/// beside it. Throws BadAsset.
-std::string checked_glb(const std::filesystem::path& file, const std::string& content);
+/// nodes, material factors and the places that these have on textures, with every offset, count and
+/// index of the original proved to be in range: the importer never sees a structure that lies.
+/// Buffers that the file names come from `files`; nothing where that wants some. Throws BadAsset.
+std::optional<CheckedGltf> checked_gltf(const std::filesystem::path& file,
+                                        const std::string& content, NamedFiles& files);
 
 }  // namespace taut::scenes

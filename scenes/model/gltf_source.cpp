@@ -58,12 +58,13 @@ std::size_t GltfAccessor::item_size() const {
   return elements * size_of(component);
 }
 
-GltfSource::GltfSource(const std::filesystem::path& file, const std::string& content)
+GltfSource::GltfSource(const std::filesystem::path& file, const std::string& content,
+                       NamedFiles& files)
     : file_(file) {
   read_container(content);
   const Json& required = list("extensionsRequired");
   if (!required.empty()) fail("needs the extension {}, which is not supported", required[0].dump());
-  gather_buffers();
+  gather_buffers(files);
 }
 
 void GltfSource::read_container(const std::string& content) {
@@ -153,15 +154,16 @@ std::string GltfSource::name(const Json& in, const std::string& fallback) const 
   return text.empty() || text.size() > name_limit ? fallback : text;
 }
 
-void GltfSource::gather_buffers() {
+void GltfSource::gather_buffers(NamedFiles& files) {
   for (std::size_t i = 0; i < list("buffers").size(); ++i) {
     const Json& buffer = item("buffers", i);
     const std::string where = fmt::format("buffers[{}]", i);
     const std::size_t length = whole(buffer, "byteLength", where);
     std::string bytes;
     if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
-      if (!uri->is_string()) fail("{}.uri must be a string", where);
-      bytes = from_uri(uri->get<std::string>(), where);
+      auto found = from_uri(*uri, where + ".uri", "a buffer", files);
+      if (!found) continue;
+      bytes = std::move(*found);
     } else {
       if (i > 0 || !chunk_) fail("{} has neither a uri nor a BIN chunk", where);
       bytes = *chunk_;
@@ -176,15 +178,22 @@ void GltfSource::gather_buffers() {
   }
 }
 
-std::string GltfSource::from_uri(const std::string& uri, const std::string& where) const {
+std::optional<std::string> GltfSource::from_uri(const Json& value, const std::string& where,
+                                                const char* expected, NamedFiles& files) const {
+  if (!value.is_string()) fail("{} must be a string", where);
+  const auto& uri = value.get_ref<const std::string&>();
   if (uri.compare(0, 5, "data:") == 0) {
     static const std::string mark = ";base64,";
     const std::size_t start = uri.find(mark);
-    if (start == std::string::npos) fail("{}.uri: only base64 data is read", where);
+    if (start == std::string::npos) fail("{}: only base64 data is read", where);
     return from_base64(uri.substr(start + mark.size()), where);
   }
-  if (uri.find("://") != std::string::npos) fail("{}.uri must be a file beside it", where);
-  return read_regular_file(file_.parent_path() / uri, model_limits::bytes, "a buffer");
+  const std::string place = fmt::format("{} {}", where, in_quotes(uri));
+  const std::optional<std::string> name = name_of_uri(uri);
+  if (!name) fail("{}: expected the name of a file, relative to the model's folder", place);
+  if (files.is_missing(*name)) fail("{}: there is no such file", place);
+  const std::string* bytes = files.find({place, *name, expected});
+  return bytes ? std::optional(*bytes) : std::nullopt;
 }
 
 std::string GltfSource::from_base64(const std::string& text, const std::string& where) const {
@@ -196,7 +205,7 @@ std::string GltfSource::from_base64(const std::string& text, const std::string& 
   for (const char c : text) {
     if (c == '=') break;
     const std::size_t value = alphabet.find(c);
-    if (value == std::string::npos) fail("{}.uri is not base64", where);
+    if (value == std::string::npos) fail("{} is not base64", where);
     bits = bits << 6 | static_cast<std::uint32_t>(value);
     held += 6;
     if (held >= 8) bytes += static_cast<char>(bits >> (held -= 8) & 0xff);
@@ -224,24 +233,41 @@ GltfAccessor GltfSource::accessor(const Json& value, const std::string& used_by)
   const auto normalized = in.find("normalized");
   a.normalized = normalized != in.end() && *normalized == true;
 
-  const std::size_t v = index(in["bufferView"], list("bufferViews").size(), where + ".bufferView");
+  const auto [start, length] = view(in["bufferView"], where + ".bufferView");
+  const std::size_t v = in["bufferView"].get<std::size_t>();
   const std::string view_where = fmt::format("bufferViews[{}]", v);
-  const Json& view = item("bufferViews", v);
-  if (!view.contains("buffer")) fail("{} lacks buffer", view_where);
-  const auto [start, length] =
-      buffers_[index(view["buffer"], buffers_.size(), view_where + ".buffer")];
-  const std::size_t view_offset = whole(view, "byteOffset", view_where, 0);
-  const std::size_t view_length = whole(view, "byteLength", view_where);
-  if (view_offset + view_length > length) fail("{} reaches beyond its buffer", view_where);
-
-  a.stride = whole(view, "byteStride", view_where, a.item_size());
+  a.stride = whole(item("bufferViews", v), "byteStride", view_where, a.item_size());
   if (a.stride < a.item_size() || a.stride > 252) fail("{}.byteStride is wrong", view_where);
   const std::size_t offset = whole(in, "byteOffset", where, 0);
-  if (offset + (a.count - 1) * a.stride + a.item_size() > view_length)
+  if (offset + (a.count - 1) * a.stride + a.item_size() > length)
     fail("{} reaches beyond its bufferView", where);
-  a.offset = start + view_offset + offset;
+  a.offset = start + offset;
   if (a.offset % size_of(a.component) != 0) fail("{} is not aligned", where);
   return a;
+}
+
+std::optional<std::string> GltfSource::image(std::size_t index, NamedFiles& files) const {
+  const Json& in = item("images", index);
+  const std::string where = fmt::format("images[{}]", index);
+  if (const auto uri = in.find("uri"); uri != in.end()) {
+    return from_uri(*uri, where + ".uri", "an image", files);
+  }
+  if (!in.contains("bufferView")) fail("{} has neither a uri nor a bufferView", where);
+  const auto [start, length] = view(in["bufferView"], where + ".bufferView");
+  return binary_.substr(start, length);
+}
+
+std::pair<std::size_t, std::size_t> GltfSource::view(const Json& value,
+                                                     const std::string& used_by) const {
+  const std::size_t v = index(value, list("bufferViews").size(), used_by);
+  const std::string where = fmt::format("bufferViews[{}]", v);
+  const Json& in = item("bufferViews", v);
+  if (!in.contains("buffer")) fail("{} lacks buffer", where);
+  const auto [start, size] = buffers_[index(in["buffer"], buffers_.size(), where + ".buffer")];
+  const std::size_t offset = whole(in, "byteOffset", where, 0);
+  const std::size_t length = whole(in, "byteLength", where);
+  if (offset + length > size) fail("{} reaches beyond its buffer", where);
+  return {start + offset, length};
 }
 
 std::uint32_t GltfSource::integer(const GltfAccessor& a, std::size_t item,

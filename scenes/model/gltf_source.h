@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scenes/files/regular_file.h"
+#include "scenes/model/named_files.h"
 
 namespace taut::scenes {
 
@@ -36,8 +37,9 @@ struct GltfAccessor {
 /// in "meshes[2]".
 class GltfSource {
  public:
-  /// Reads the container (GLB or plain JSON) and every buffer; those beside `file` too.
-  GltfSource(const std::filesystem::path& file, const std::string& content);
+  /// Reads the container (GLB or plain JSON) and every buffer. Nothing else may be asked of it
+  /// where `files`, which it takes those from that lie in files of their own, wants some of them.
+  GltfSource(const std::filesystem::path& file, const std::string& content, NamedFiles& files);
 
   template <typename... Args>
   [[noreturn]] void fail(fmt::format_string<Args...> text, Args&&... args) const {
@@ -59,6 +61,9 @@ class GltfSource {
 
   /// The accessor that `value` is the index of.
   GltfAccessor accessor(const Json& value, const std::string& used_by) const;
+  /// The bytes of an image (PNG or another format); nothing where `files` has yet to get it.
+  std::optional<std::string> image(std::size_t index, NamedFiles& files) const;
+
   /// One unsigned component of an accessor.
   std::uint32_t integer(const GltfAccessor& a, std::size_t item, std::size_t element) const;
 
@@ -67,8 +72,12 @@ class GltfSource {
 
  private:
   void read_container(const std::string& content);
-  void gather_buffers();
-  std::string from_uri(const std::string& uri, const std::string& where) const;
+  void gather_buffers(NamedFiles& files);
+  /// What a uri says or names; nothing where `files` has yet to get it.
+  std::optional<std::string> from_uri(const Json& uri, const std::string& where,
+                                      const char* expected, NamedFiles& files) const;
+  /// Where the view that `value` is the index of starts in binary(), and its length; bytes.
+  std::pair<std::size_t, std::size_t> view(const Json& value, const std::string& used_by) const;
   std::string from_base64(const std::string& text, const std::string& where) const;
 
   const std::filesystem::path& file_;

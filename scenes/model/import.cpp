@@ -9,6 +9,7 @@
 #include <assimp/Importer.hpp>
 #include <cctype>
 
+#include "scenes/files/printable.h"
 #include "scenes/files/regular_file.h"
 #include "scenes/model/gltf.h"
 #include "scenes/model/imported.h"
@@ -17,7 +18,8 @@
 
 namespace taut::scenes {
 
-Model import_model(const std::filesystem::path& file, const std::string& content) {
+std::optional<Model> import_model(const std::filesystem::path& file, const std::string& content,
+                                  NamedFiles& files) {
   std::string kind = file.extension().string();
   std::transform(kind.begin(), kind.end(), kind.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -26,23 +28,38 @@ Model import_model(const std::filesystem::path& file, const std::string& content
     throw bad_asset(file, fmt::format("is a \"{}\" file, expected .glb, .gltf or .obj", kind));
   if (content.empty()) throw bad_asset(file, "empty file");
 
+  std::optional<CheckedObj> obj;
+  std::vector<std::string> left_out;
+  Textures textures;
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   unsigned steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
   const aiScene* scene = nullptr;
   if (gltf) {
-    const std::string glb = checked_glb(file, content);
-    scene = importer.ReadFileFromMemory(glb.data(), glb.size(), steps, "glb");
+    std::optional<CheckedGltf> checked = checked_gltf(file, content, files);
+    if (!checked) return {};
+    left_out = std::move(checked->left_out);
+    textures.all = std::move(checked->textures);
+    textures.of_material = std::move(checked->texture_of);
+    scene = importer.ReadFileFromMemory(checked->glb.data(), checked->glb.size(), steps, "glb");
   } else {
-    check_obj(file, content);
-    steps |= aiProcess_JoinIdenticalVertices;  // so that faces without normals shade smoothly
-    importer.SetIOHandler(new ObjFiles(file, content));  // which it deletes
-    scene = importer.ReadFile(file.string(), steps);
+    obj = checked_obj(file, content, files);
+    if (!obj) return {};
+    left_out = std::move(obj->left_out);
+    textures = std::move(obj->textures);
+    steps |= aiProcess_JoinIdenticalVertices;   // so that faces without normals shade smoothly
+    importer.SetIOHandler(new ObjFiles(*obj));  // which it deletes
+    scene = importer.ReadFile(ObjFiles::kModel, steps);
   }
   if (!scene || !scene->mRootNode || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE))
     throw bad_asset(file, fmt::format("cannot be imported: {}", importer.GetErrorString()));
-  return from_imported(file, *scene);
+  // What brings no normals is flat by glTF's rule; faces of an OBJ are smooth.
+  Model model = from_imported(file, *scene, gltf, std::move(textures));
+  for (const std::string& what : left_out) {
+    model.left_out.push_back(printable(fmt::format("{}: left out: {}", file.string(), what)));
+  }
+  return model;
 }
 
 }  // namespace taut::scenes

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -52,13 +53,37 @@ std::vector<Vec3> smooth_normals(const aiMesh& mesh) {
   return sums;
 }
 
+/// Gives each triangle vertices of its own, with the normal of its face.
+void make_flat(Mesh& mesh) {
+  std::vector<Vertex> vertices;
+  vertices.reserve(mesh.indices.size());
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const auto corner = [&](std::size_t k) { return mesh.vertices[mesh.indices[i + k]]; };
+    const auto at = [&](std::size_t k) {
+      return Eigen::Vector3f(corner(k).position.data()).cast<double>().eval();
+    };
+    const Vec3 area = (at(1) - at(0)).cross(at(2) - at(0));
+    const Vec3 normal = area.isZero(0) ? Vec3(0, 1, 0) : area.stableNormalized();
+    for (std::size_t k = 0; k < 3; ++k) {
+      vertices.push_back(corner(k));
+      vertices.back().normal = array3(normal);
+    }
+  }
+  mesh.vertices = std::move(vertices);
+  for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+    mesh.indices[i] = static_cast<std::uint32_t>(i);
+  }
+}
+
 class Import {
  public:
-  Import(const std::filesystem::path& file, const aiScene& scene) : file_(file), scene_(scene) {}
+  Import(const std::filesystem::path& file, const aiScene& scene, bool flat, Textures textures)
+      : file_(file), scene_(scene), flat_(flat), textures_(std::move(textures)) {}
 
   Model run() {
     model_.name = file_.stem().string();
     for (unsigned i = 0; i < scene_.mNumMaterials; ++i) add_material(*scene_.mMaterials[i]);
+    model_.textures = std::move(textures_.all);
     find_bones();
     add_node(*scene_.mRootNode, Mat4::Identity(), -1);
     set_inverse_binds();
@@ -80,6 +105,10 @@ class Import {
   void add_material(const aiMaterial& in) {
     Material out;
     out.name = text(in.GetName());
+    const std::size_t index = model_.materials.size();
+    const auto named = textures_.of_name.find(out.name);
+    if (named != textures_.of_name.end()) out.texture = named->second;
+    if (index < textures_.of_material.size()) out.texture = textures_.of_material[index];
     aiColor4D color;
     if (in.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS ||
         in.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS)
@@ -184,6 +213,7 @@ class Import {
     out.material = in.mMaterialIndex;
     if (out.material >= model_.materials.size())
       fail(fmt::format("mesh \"{}\" has material {}", out.name, out.material));
+    if (!in.HasTextureCoords(0)) out.material = without_texture(out.material);
     vertices_ += in.mNumVertices;
     if (vertices_ > vertex_limit) fail(fmt::format("more than {} vertices", vertex_limit));
     out.indices = triangles(in, scale < 0);
@@ -204,6 +234,12 @@ class Import {
           fail(fmt::format("mesh \"{}\": the colour of vertex {} is wrong", out.name, i));
         v.color = {c.r, c.g, c.b};
       }
+      if (in.HasTextureCoords(0)) {
+        const aiVector3D& at = in.mTextureCoords[0][i];  // the importer counts v from below
+        v.uv = {static_cast<float>(at.x), 1 - static_cast<float>(at.y)};
+        if (!(std::abs(v.uv[0]) < 1e6f && std::abs(v.uv[1]) < 1e6f))
+          fail(fmt::format("mesh \"{}\": vertex {} is nowhere on its texture", out.name, i));
+      }
     }
     if (skinned) {
       add_weights(in, out);
@@ -213,7 +249,23 @@ class Import {
         v.weights[0] = 1;
       }
     }
+    if (!in.HasNormals() && flat_) {
+      vertices_ += out.indices.size();
+      if (vertices_ > vertex_limit) fail(fmt::format("more than {} vertices", vertex_limit));
+      make_flat(out);
+    }
     if (!out.indices.empty()) model_.meshes.push_back(std::move(out));
+  }
+
+  /// The same material for a mesh that has no place on its texture.
+  std::size_t without_texture(std::size_t material) {
+    if (model_.materials[material].texture < 0) return material;
+    const auto known = untextured_.find(material);
+    if (known != untextured_.end()) return known->second;
+    Material copy = model_.materials[material];
+    copy.texture = -1;
+    model_.materials.push_back(std::move(copy));
+    return untextured_[material] = model_.materials.size() - 1;
   }
 
   std::vector<std::uint32_t> triangles(const aiMesh& in, bool mirrored) const {
@@ -258,17 +310,21 @@ class Import {
 
   const std::filesystem::path& file_;
   const aiScene& scene_;
+  bool flat_;
+  Textures textures_;
   Model model_;
   std::set<const aiNode*> bone_nodes_;
   std::vector<Mat4> rest_world_, inverse_bind_;
   std::vector<Instance> instances_;
+  std::map<std::size_t, std::size_t> untextured_;
   std::size_t vertices_ = 0;
 };
 
 }  // namespace
 
-Model from_imported(const std::filesystem::path& file, const aiScene& scene) {
-  return Import(file, scene).run();
+Model from_imported(const std::filesystem::path& file, const aiScene& scene, bool flat,
+                    Textures textures) {
+  return Import(file, scene, flat, std::move(textures)).run();
 }
 
 }  // namespace taut::scenes

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "scenes/model/model.h"
 
@@ -9,8 +12,17 @@ struct aiScene;
 
 namespace taut::scenes {
 
+/// Textures, and which one the colour of a material has.
+struct Textures {
+  std::vector<Texture> all;
+  std::vector<int> of_material;        // by the material's index; -1: none
+  std::map<std::string, int> of_name;  // by its name
+};
+
 /// Every mesh of the scene in model space, its materials, and the nodes of its skeleton. Throws
-/// BadAsset for values that no model may hold.
-Model from_imported(const std::filesystem::path& file, const aiScene& scene);
+/// BadAsset for values that no model may hold. Meshes without normals get those of their faces
+/// where `flat`, else means of these at each vertex.
+Model from_imported(const std::filesystem::path& file, const aiScene& scene, bool flat,
+                    Textures textures);
 
 }  // namespace taut::scenes

@@ -5,7 +5,9 @@
 
 namespace taut::scenes::model_limits {
 
-constexpr std::size_t bytes = 64u << 20;  // of a file, and of all buffers together
+constexpr std::size_t bytes = 64u << 20;      // of a file, and of all buffers together
+constexpr std::size_t files = 1024;           // that it names
+constexpr std::size_t all_bytes = 2 * bytes;  // of those files together
 constexpr std::size_t meshes = 4096;  // pieces of one material: primitives, groups, uses of them
 constexpr std::size_t nodes = 65536;
 constexpr std::size_t depth = 128;  // of the tree of nodes
@@ -14,6 +16,8 @@ constexpr std::size_t vertices = 4u << 20;  // over all pieces, also those that 
 constexpr std::size_t indices = 24u << 20;
 // Of the process that reads it. The largest of the above take about half of it.
 constexpr std::size_t memory = 2048u << 20;
-constexpr std::size_t reply = 640u << 20;  // of that process: 8 million vertices with their indices
+// Of that process's reply: 8 million vertices with their indices, and the pictures.
+constexpr std::size_t reply = 1024u << 20;
+constexpr std::size_t pixels = 64u << 20;  // of all pictures
 
 }  // namespace taut::scenes::model_limits

@@ -7,8 +7,13 @@
 
 namespace taut::scenes {
 
-/// Reads a glTF/GLB or OBJ file. Throws BadAsset (a message that names the file and the cause) for
-/// anything that is missing, truncated, too large, inconsistent or not finite.
-Model load_model(const std::filesystem::path& file);
+/// Reads a glTF/GLB or OBJ file, and the files that it names. All of them lie in the folder
+/// `within` (canonical; empty: the model's own): links are followed inside of it alone. Throws
+/// BadAsset (a message that names the file and the cause) for anything that is missing, outside,
+/// truncated, too large, inconsistent or not finite.
+Model load_model(const std::filesystem::path& file, const std::filesystem::path& within = {});
+
+/// The same in this process, for tests that look into the reader.
+Model load_model_here(const std::filesystem::path& file, const std::filesystem::path& within = {});
 
 }  // namespace taut::scenes

@@ -11,9 +11,20 @@
 
 namespace taut::scenes {
 
+/// A picture on a surface, and how it is looked up: by glTF's numbers (2.0, section 5.26), which
+/// are those of OpenGL.
+struct Texture {
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t wrap_u = 10497, wrap_v = 10497;  // beyond its edges: repeated
+  std::uint32_t magnify = 9729, minify = 9987;   // linear; means of it, and between them
+  std::vector<std::uint8_t> pixels;              // sRGB and opacity, 4 bytes, rows from the top
+};
+
 /// Surface of a mesh; physically based, linear colours.
 struct Material {
   std::string name;
+  int texture =
+      -1;  // index into Model::textures, of a picture that multiplies the colour; -1: none
   std::array<float, 3> base_color{0.8f, 0.8f, 0.8f};
   float roughness = 0.6f;
   float metallic = 0;
@@ -25,6 +36,7 @@ struct Vertex {
   std::array<float, 3> position{};
   std::array<float, 3> normal{};
   std::array<float, 3> color{1, 1, 1};
+  std::array<float, 2> uv{};  // of the material's texture, from its top left corner
   std::array<std::uint16_t, 4> bones{};
   std::array<float, 4> weights{};
 };
@@ -46,9 +58,11 @@ struct Bone {
 
 struct Model {
   std::string name;
+  std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
-  std::vector<Bone> bones;  // empty: not skinned
+  std::vector<Bone> bones;            // empty: not skinned
+  std::vector<std::string> left_out;  // what of the file is not in it, for messages; a line each
 
   /// Index of a bone by name, or -1.
   int bone(std::string_view bone_name) const;

@@ -12,6 +12,8 @@ namespace {
 
 class Writer {
  public:
+  explicit Writer(std::size_t size = 0) { bytes_.reserve(size); }
+
   template <typename T>
   bool plain(const T* values, std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -27,6 +29,25 @@ class Writer {
 
  private:
   std::string bytes_;
+};
+
+/// Counts the bytes that a Writer would write.
+class Counter {
+ public:
+  template <typename T>
+  bool plain(const T*, std::size_t count) {
+    size_ += count * sizeof(T);
+    return true;
+  }
+  template <typename List>
+  bool count(const List&, std::size_t) {
+    size_ += sizeof(std::uint64_t);
+    return true;
+  }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::size_t size_ = 0;
 };
 
 class Reader {
@@ -64,8 +85,17 @@ bool pass_list(Bytes& bytes, Kept& list) {
 
 template <typename Bytes, typename Kept>
 bool pass_material(Bytes& bytes, Kept& material) {
-  return pass_list(bytes, material.name) && bytes.plain(&material.base_color, 1) &&
-         bytes.plain(&material.roughness, 1) && bytes.plain(&material.metallic, 1);
+  return pass_list(bytes, material.name) && bytes.plain(&material.texture, 1) &&
+         bytes.plain(&material.base_color, 1) && bytes.plain(&material.roughness, 1) &&
+         bytes.plain(&material.metallic, 1);
+}
+
+template <typename Bytes, typename Kept>
+bool pass_texture(Bytes& bytes, Kept& texture) {
+  return bytes.plain(&texture.width, 1) && bytes.plain(&texture.height, 1) &&
+         bytes.plain(&texture.wrap_u, 1) && bytes.plain(&texture.wrap_v, 1) &&
+         bytes.plain(&texture.magnify, 1) && bytes.plain(&texture.minify, 1) &&
+         pass_list(bytes, texture.pixels);
 }
 
 template <typename Bytes, typename Kept>
@@ -90,9 +120,19 @@ bool pass(Bytes& bytes, Kept& model) {
            std::ranges::all_of(list, [&](auto& one) { return pass_one(bytes, one); });
   };
   return pass_list(bytes, model.name) &&
+         each(model.textures, [](auto& b, auto& m) { return pass_texture(b, m); }) &&
          each(model.materials, [](auto& b, auto& m) { return pass_material(b, m); }) &&
          each(model.meshes, [](auto& b, auto& m) { return pass_mesh(b, m); }) &&
-         each(model.bones, [](auto& b, auto& m) { return pass_bone(b, m); });
+         each(model.bones, [](auto& b, auto& m) { return pass_bone(b, m); }) &&
+         each(model.left_out, [](auto& b, auto& m) { return pass_list(b, m); });
+}
+
+template <typename Bytes, typename Kept>
+bool pass_files(Bytes& bytes, Kept& files) {
+  return bytes.count(files, 3 * sizeof(std::uint64_t)) && std::ranges::all_of(files, [&](auto& f) {
+           return pass_list(bytes, f.where) && pass_list(bytes, f.name) &&
+                  pass_list(bytes, f.expected);
+         });
 }
 
 bool is_finite(const auto& numbers) {
@@ -102,13 +142,26 @@ bool is_finite(const auto& numbers) {
 bool is_sound(const Vertex& vertex, std::size_t bones) {
   const bool skinned = std::ranges::any_of(vertex.weights, [](float x) { return x != 0; });
   return is_finite(vertex.position) && is_finite(vertex.normal) && is_finite(vertex.color) &&
-         is_finite(vertex.weights) &&
+         is_finite(vertex.uv) && is_finite(vertex.weights) &&
          (!skinned || std::ranges::all_of(vertex.bones, [&](auto b) { return b < bones; }));
 }
 
+bool is_sound(const Texture& texture) {
+  const auto wraps = [](std::uint32_t how) {
+    return how == 10497 || how == 33071 || how == 33648;  // repeated, clamped, mirrored
+  };
+  const std::uint32_t small = texture.minify, large = texture.magnify;
+  return texture.width > 0 && texture.height > 0 &&
+         texture.pixels.size() == std::size_t{4} * texture.width * texture.height &&
+         wraps(texture.wrap_u) && wraps(texture.wrap_v) && (large == 9728 || large == 9729) &&
+         (small == 9728 || small == 9729 || (small >= 9984 && small <= 9987));
+}
+
 bool is_sound(const Model& model) {
-  const auto material = [](const Material& m) {
-    return is_finite(m.base_color) && std::isfinite(m.roughness) && std::isfinite(m.metallic);
+  const auto texture = [](const Texture& t) { return is_sound(t); };
+  const auto material = [&](const Material& m) {
+    return m.texture >= -1 && m.texture < std::ssize(model.textures) && is_finite(m.base_color) &&
+           std::isfinite(m.roughness) && std::isfinite(m.metallic);
   };
   const auto mesh = [&](const Mesh& m) {
     return m.material < model.materials.size() &&
@@ -121,13 +174,16 @@ bool is_sound(const Model& model) {
            b.rest.rotation.coeffs().allFinite() && b.inverse_bind.allFinite();
   };
   return model.bones.size() <= model_limits::bones && std::ranges::all_of(model.bones, bone) &&
+         std::ranges::all_of(model.textures, texture) &&
          std::ranges::all_of(model.materials, material) && std::ranges::all_of(model.meshes, mesh);
 }
 
 }  // namespace
 
 std::string to_bytes(const Model& model) {
-  Writer writer;
+  Counter counter;
+  pass(counter, model);
+  Writer writer(counter.size());
   pass(writer, model);
   return writer.take();
 }
@@ -137,6 +193,19 @@ std::optional<Model> model_of_bytes(std::string_view bytes) {
   Model model;
   if (!pass(reader, model) || !reader.at_end() || !is_sound(model)) return {};
   return model;
+}
+
+std::string to_bytes(const std::vector<NamedFile>& files) {
+  Writer writer;
+  pass_files(writer, files);
+  return writer.take();
+}
+
+std::optional<std::vector<NamedFile>> named_files_of_bytes(std::string_view bytes) {
+  Reader reader(bytes);
+  std::vector<NamedFile> files;
+  if (!pass_files(reader, files) || !reader.at_end()) return {};
+  return files;
 }
 
 }  // namespace taut::scenes

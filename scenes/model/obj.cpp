@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -13,22 +14,13 @@
 
 #include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
+#include "scenes/model/obj_materials.h"
+#include "scenes/model/obj_text.h"
 
 namespace taut::scenes {
 namespace {
 
 constexpr std::size_t corner_limit = 256;  // of one face
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view blanks = " \t\r\v\f";
-  for (std::size_t at = line.find_first_not_of(blanks); at != line.npos;) {
-    const std::size_t end = std::min(line.find_first_of(blanks, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(blanks, end);
-  }
-  return words;
-}
 
 template <typename Number>
 std::optional<Number> parse(std::string_view word) {
@@ -38,39 +30,130 @@ std::optional<Number> parse(std::string_view word) {
   return value;
 }
 
+/// Statements that describe no polygons.
+const std::map<std::string_view, const char*> kLeftOut = {{"p", "points"},
+                                                          {"l", "lines"},
+                                                          {"vp", "curves"},
+                                                          {"cstype", "curves"},
+                                                          {"deg", "curves"},
+                                                          {"bmat", "curves"},
+                                                          {"step", "curves"},
+                                                          {"curv", "curves"},
+                                                          {"curv2", "curves"},
+                                                          {"surf", "surfaces"},
+                                                          {"parm", "curves"},
+                                                          {"trim", "curves"},
+                                                          {"hole", "curves"},
+                                                          {"scrv", "curves"},
+                                                          {"sp", "curves"},
+                                                          {"end", "curves"},
+                                                          {"con", "curves"},
+                                                          {"mg", "groups for merging"},
+                                                          {"bevel", "rendering"},
+                                                          {"c_interp", "rendering"},
+                                                          {"d_interp", "rendering"},
+                                                          {"lod", "rendering"},
+                                                          {"shadow_obj", "rendering"},
+                                                          {"trace_obj", "rendering"},
+                                                          {"ctech", "curves"},
+                                                          {"stech", "surfaces"},
+                                                          {"maplib", "textures"},
+                                                          {"usemap", "textures"},
+                                                          {"call", "other files"},
+                                                          {"csh", "commands"}};
+
 class ObjCheck {
  public:
-  explicit ObjCheck(const std::filesystem::path& file) : file_(file) {}
+  ObjCheck(const std::filesystem::path& file, NamedFiles& files) : file_(file), files_(files) {}
 
-  void run(const std::string& content) {
-    for (std::size_t start = 0; start < content.size(); ++line_) {
-      const std::size_t end = std::min(content.find('\n', start), content.size());
-      const std::string_view text = std::string_view(content).substr(start, end - start);
-      start = end + 1;
-      if (text.find('\0') != text.npos) fail("not a text file");
-      if (text.ends_with('\\')) fail("continued lines are not read");
-      const auto words = words_of(text);
+  CheckedObj run(const std::string& content) {
+    ObjLines lines(content);
+    for (std::string line; lines.next(line);) {
+      line_ = lines.number();
+      if (line.find('\0') != line.npos) fail("not a text file");
+      const auto words = words_of(line);
       if (!words.empty() && words[0][0] != '#') statement(words);
     }
     if (faces_ == 0) throw bad_asset(file_, "has no faces");
+    for (const auto& [word, found] : left_out_) {
+      out_.left_out.push_back(fmt::format("{} ({} statement{} \"{}\", first in line {})",
+                                          kLeftOut.at(word), found.count,
+                                          found.count == 1 ? "" : "s", word, found.line));
+    }
+    std::ranges::copy(materials_.left_out(), std::back_inserter(out_.left_out));
+    out_.textures = materials_.take();
+    return std::move(out_);
   }
 
  private:
+  struct Found {
+    std::size_t count = 0, line = 0;
+  };
+
   [[noreturn]] void fail(const std::string& cause) const {
     throw bad_asset(file_, fmt::format("line {}: {}", line_, cause));
   }
 
   void statement(const std::vector<std::string_view>& words) {
-    static const std::set<std::string_view> harmless = {"o", "g", "s", "usemtl", "mtllib"};
-    if (words[0] == "v") return numbers(words, 3, 7), void(++points_);
-    if (words[0] == "vt") return numbers(words, 1, 3), void(++textures_);
-    if (words[0] == "vn") return numbers(words, 3, 3), void(++normals_);
-    if (words[0] == "f") return face(words);
-    const auto known = harmless.find(words[0]);
-    if (known == harmless.end()) fail(fmt::format("unknown statement \"{}\"", words[0]));
-    // The importer makes a piece of each, and looks for it among all others.
-    if (++seen_[*known] > model_limits::meshes && *known != "s") {
-      fail(fmt::format("more than {} statements \"{}\"", model_limits::meshes, *known));
+    static const std::set<std::string_view> harmless = {"o", "g", "s", "usemtl"};
+    if (const auto other = kLeftOut.find(words[0]); other != kLeftOut.end()) {
+      Found& found = left_out_[other->first];
+      if (found.count++ == 0) found.line = line_;
+      return;
+    }
+    if (words[0] == "mtllib") return library(words);
+    if (words[0] == "v") {
+      numbers(words, 3, 7), ++points_;
+    } else if (words[0] == "vt") {
+      numbers(words, 1, 3), ++textures_;
+    } else if (words[0] == "vn") {
+      numbers(words, 3, 3), ++normals_;
+    } else if (words[0] == "f") {
+      face(words);
+    } else {
+      const auto known = harmless.find(words[0]);
+      if (known == harmless.end()) fail(fmt::format("unknown statement \"{}\"", words[0]));
+      if (*known != "s") count(*known);
+    }
+    out_.text.append(words_from(words, 0)) += '\n';
+  }
+
+  /// The importer makes a piece of each, and looks for it among all others.
+  void count(std::string_view word) {
+    if (++seen_[word] > model_limits::meshes) {
+      fail(fmt::format("more than {} statements \"{}\"", model_limits::meshes, word));
+    }
+  }
+
+  /// A library of materials: what follows the word, which may have blanks in it; or several.
+  void library(const std::vector<std::string_view>& words) {
+    count("mtllib");
+    if (words.size() == 1) return;
+    const std::string_view whole = words_from(words, 1);
+    if (words.size() == 2 || !files_.is_missing(name_of_library(whole))) {
+      add_library(whole);
+    } else {
+      for (std::size_t i = 1; i < words.size(); ++i) add_library(words[i]);
+    }
+  }
+
+  std::string name_of_library(std::string_view written) const {
+    auto name = name_of_path(written);
+    if (!name) {
+      fail(fmt::format("mtllib {}: expected the name of a file, relative to the model's folder",
+                       in_quotes(written)));
+    }
+    return std::move(*name);
+  }
+
+  void add_library(std::string_view written) {
+    const std::string name = name_of_library(written);
+    const std::string where = fmt::format("line {}: mtllib {}", line_, in_quotes(written));
+    if (files_.is_missing(name)) {
+      out_.left_out.push_back(fmt::format("materials ({}: there is no such file)", where));
+    } else if (const std::string* bytes = files_.find({where, name, "a library of materials"})) {
+      out_.materials.append(*bytes, bytes->starts_with(kByteOrderMark) ? 3 : 0) += '\n';
+      materials_.add(name, *bytes);
     }
   }
 
@@ -112,15 +195,22 @@ class ObjCheck {
   }
 
   const std::filesystem::path& file_;
+  NamedFiles& files_;
+  CheckedObj out_;
+  ObjMaterials materials_{file_, files_};
   std::size_t line_ = 1, faces_ = 0;
+  std::map<std::string_view, Found> left_out_;
   std::map<std::string_view, std::size_t> seen_;  // statements of each kind
   std::int64_t points_ = 0, textures_ = 0, normals_ = 0;
 };
 
 }  // namespace
 
-void check_obj(const std::filesystem::path& file, const std::string& content) {
-  ObjCheck(file).run(content);
+std::optional<CheckedObj> checked_obj(const std::filesystem::path& file, const std::string& content,
+                                      NamedFiles& files) {
+  CheckedObj checked = ObjCheck(file, files).run(content);
+  if (!files.wanted().empty()) return {};
+  return checked;
 }
 
 }  // namespace taut::scenes

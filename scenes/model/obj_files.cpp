@@ -1,19 +1,21 @@
 #include "scenes/model/obj_files.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <cstring>
+#include <fmt/format.h>
 
-#include "scenes/files/regular_file.h"
-#include "scenes/model/limits.h"
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
 
 namespace taut::scenes {
 namespace {
 
+constexpr const char* kMaterials = "model.mtl";
+
 /// Bytes as the importer reads a file.
 class Bytes : public Assimp::IOStream {
  public:
-  explicit Bytes(std::string bytes) : bytes_(std::move(bytes)) {}
+  explicit Bytes(std::string_view bytes) : bytes_(bytes) {}
 
   std::size_t Read(void* to, std::size_t size, std::size_t count) override {
     if (size == 0) return 0;
@@ -36,27 +38,23 @@ class Bytes : public Assimp::IOStream {
   void Flush() override {}
 
  private:
-  std::string bytes_;
+  std::string_view bytes_;
   std::size_t at_ = 0;
 };
 
 }  // namespace
 
-bool ObjFiles::Exists(const char* name) const {
-  std::error_code error;
-  return name == file_.string() || std::filesystem::exists(name, error);
+ObjFiles::ObjFiles(const CheckedObj& model)
+    : text_(fmt::format("mtllib {}\n{}", kMaterials, model.text)), materials_(model.materials) {}
+
+const std::string* ObjFiles::bytes_of(const char* name) const {
+  const std::filesystem::path file = std::filesystem::path(name).filename();
+  return file == kModel ? &text_ : file == kMaterials ? &materials_ : nullptr;
 }
 
 Assimp::IOStream* ObjFiles::Open(const char* name, const char*) {
-  const std::filesystem::path file(name);
-  if (file == file_) return new Bytes(content_);
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) return nullptr;
-  if (std::filesystem::weakly_canonical(file, error).parent_path() !=
-      std::filesystem::weakly_canonical(file_, error).parent_path()) {
-    throw bad_asset(file, "is not beside the model that names it");
-  }
-  return new Bytes(read_regular_file(file, model_limits::bytes, "a library of materials"));
+  const std::string* bytes = bytes_of(name);
+  return bytes ? new Bytes(*bytes) : nullptr;
 }
 
 }  // namespace taut::scenes

@@ -3,26 +3,28 @@
 
 #include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
-#include <filesystem>
-#include <string>
+
+#include "scenes/model/obj.h"
 
 namespace taut::scenes {
 
-/// Gives the importer the model as it was checked, and the material libraries that it names: only
-/// regular files of its own folder. Open() throws BadAsset for others.
+/// Gives the importer a checked model and its materials, and no other file.
 class ObjFiles : public Assimp::IOSystem {
  public:
-  ObjFiles(const std::filesystem::path& file, const std::string& content)
-      : file_(file), content_(content) {}
+  static constexpr const char* kModel = "model.obj";
 
-  bool Exists(const char* name) const override;
+  explicit ObjFiles(const CheckedObj& model);
+
+  bool Exists(const char* name) const override { return bytes_of(name) != nullptr; }
   char getOsSeparator() const override { return '/'; }
   Assimp::IOStream* Open(const char* name, const char* mode) override;
   void Close(Assimp::IOStream* stream) override { delete stream; }
 
  private:
-  const std::filesystem::path& file_;
-  const std::string& content_;
+  const std::string* bytes_of(const char* name) const;
+
+  std::string text_;
+  const std::string& materials_;
 };
 
 }  // namespace taut::scenes

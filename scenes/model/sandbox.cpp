@@ -17,6 +17,7 @@
 #include <new>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "scenes/model/system_calls.h"
 
@@ -26,6 +27,9 @@ namespace {
 constexpr int kReplyFile = 3;  // after the standard streams
 constexpr int kNoMemory = 2;   // exit codes of the child
 constexpr int kCrashed = 3;
+constexpr int kOutOfMemory = 4;
+
+int no_memory_code = kNoMemory;  // with which the child ends where it gets no memory
 
 [[noreturn]] void fail(const char* what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -45,7 +49,7 @@ rlim_t address_space() {
 void limit(int resource, rlim_t soft, rlim_t hard) {
   rlimit now{};
   getrlimit(static_cast<__rlimit_resource_t>(resource), &now);
-  const rlimit least{std::min(soft, now.rlim_max), std::min(hard, now.rlim_max)};
+  const rlimit least{std::min(soft, now.rlim_cur), std::min(hard, now.rlim_max)};
   setrlimit(static_cast<__rlimit_resource_t>(resource), &least);
 }
 
@@ -61,8 +65,14 @@ void take_away(const SandboxLimits& limits) {
   limit(RLIMIT_CORE, 0, 0);
   limit(RLIMIT_NPROC, 0, 0);
   if (const rlim_t now = address_space(); now > 0) {
+    rlimit before{};
+    getrlimit(RLIMIT_AS, &before);
+    if (before.rlim_cur < now + limits.memory) no_memory_code = kOutOfMemory;
     limit(RLIMIT_AS, now + limits.memory, now + limits.memory);
   }
+#ifndef TAUT_SANITIZED         // its checks of types ask a pipe whether memory can be read
+  limit(RLIMIT_NOFILE, 0, 0);  // nothing can be opened where the kernel has no filters, too
+#endif
   allow_few_calls();
 }
 
@@ -72,7 +82,7 @@ void end_by_faults() {
     std::signal(signal, SIG_DFL);
   }
   std::signal(SIGXFSZ, SIG_IGN);  // what is said on standard error may go to a file
-  std::set_new_handler([] { _exit(kNoMemory); });
+  std::set_new_handler([] { _exit(no_memory_code); });
 }
 
 [[noreturn]] void be_child(const SandboxLimits& limits, int reply_file, pid_t parent,
@@ -89,7 +99,7 @@ void end_by_faults() {
   try {
     reply = work();
   } catch (const std::bad_alloc&) {
-    _exit(kNoMemory);
+    _exit(no_memory_code);
   }
   for (std::size_t done = 0; done < reply.size();) {
     const ssize_t n = write(kReplyFile, reply.data() + done, reply.size() - done);
@@ -116,20 +126,24 @@ std::optional<SandboxResult::End> read_reply(int file, const SandboxLimits& limi
     if (n == 0) return {};
     if (n > 0) reply.append(block, static_cast<std::size_t>(n));
   }
-  return SandboxResult::End::no_memory;
+  return SandboxResult::End::too_long;
 }
 
-SandboxResult::End end_of(int status) {
+/// How a child ended that took `cpu_time` (s) of the time that `limits` allow.
+SandboxResult::End end_of(int status, double cpu_time, const SandboxLimits& limits) {
   using End = SandboxResult::End;
   switch (status) {
     case 0:
       return End::replied;
     case kNoMemory:
       return End::no_memory;
+    case kOutOfMemory:
+      return End::out_of_memory;
     case 128 + SIGPROF:
     case 128 + SIGXCPU:
-    case 128 + SIGKILL:  // the hard limit of CPU time
       return End::no_time;
+    case 128 + SIGKILL:  // the hard limit of CPU time, or the system has no memory left
+      return cpu_time < limits.cpu_time ? End::out_of_memory : End::no_time;
     case 128 + SIGSYS:
       return End::forbidden;
     default:
@@ -147,20 +161,40 @@ class Forked {
   Forked(const Forked&) = delete;
   Forked& operator=(const Forked&) = delete;
 
-  /// The child's exit code; a child that has closed its end of the pipe and works on is killed.
-  int end() {
+  /// The child's exit code, or 128 + its signal, and the CPU time (s) that it took.
+  std::pair<int, double> end() {
     kill(id_, SIGKILL);
-    int status = 0;
-    pid_t ended = 0;
-    do {
-      ended = waitpid(id_, &status, 0);
-    } while (ended < 0 && errno == EINTR);
-    id_ = 0;
-    if (ended < 0) return 0;  // nobody may wait for children here: the reply alone tells
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return *ended(0);
+  }
+
+  /// The same of one that ends by itself soon.
+  std::optional<std::pair<int, double>> end_soon() {
+    constexpr timespec kPause{0, 1'000'000};
+    for (int i = 0; i < 1000; ++i) {
+      if (auto status = ended(WNOHANG)) return status;
+      nanosleep(&kPause, nullptr);
+    }
+    return {};
   }
 
  private:
+  std::optional<std::pair<int, double>> ended(int options) {
+    int status = 0;
+    rusage used{};
+    pid_t found = 0;
+    do {
+      found = wait4(id_, &status, options, &used);
+    } while (found < 0 && errno == EINTR);
+    if (found == 0) return {};
+    id_ = 0;
+    if (found < 0) return {{0, 0.0}};  // nobody may wait for children here: the reply alone tells
+    const auto seconds = [](const timeval& t) {
+      return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return {{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+             seconds(used.ru_utime) + seconds(used.ru_stime)}};
+  }
+
   pid_t id_;
 };
 
@@ -191,9 +225,14 @@ SandboxResult run_in_sandbox(const SandboxLimits& limits,
   close(pipe.ends[1]);
   pipe.ends[1] = -1;
   SandboxResult result;
-  const auto beyond = read_reply(pipe.ends[0], limits, result.reply);
-  result.status = child.end();
-  result.end = beyond ? *beyond : end_of(result.status);
+  auto beyond = read_reply(pipe.ends[0], limits, result.reply);
+  auto ended = beyond ? std::nullopt : child.end_soon();
+  if (!ended) {  // it says too much, or works on
+    ended = child.end();
+    if (!beyond) beyond = SandboxResult::End::no_time;
+  }
+  result.status = ended->first;
+  result.end = beyond ? *beyond : end_of(ended->first, ended->second, limits);
   return result;
 }
 

@@ -22,7 +22,7 @@ bool is_inside(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-fs::path find_file(const Document& document, const Value& value) {
+FoundFile find_asset(const Document& document, const Value& value) {
   const fs::path asked(value.text);
   std::error_code error;
   const fs::path scene = fs::weakly_canonical(document.file, error).parent_path();
@@ -41,10 +41,14 @@ fs::path find_file(const Document& document, const Value& value) {
     if (fs::is_directory(file, error)) document.mismatch(value, "a file, not a directory");
     const fs::path near = fs::proximate(file, error);
     throw_if_out_of_memory(error);
-    return error ? file : near;
+    return {error ? file : near, place.within};
   }
   document.fail(value,
                 fmt::format("there is no file {}; looked: {}", shown(value), places(folders)));
+}
+
+fs::path find_file(const Document& document, const Value& value) {
+  return find_asset(document, value).file;
 }
 
 double number_or(const Value& table, std::string_view key, double fallback) {

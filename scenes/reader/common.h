@@ -17,8 +17,14 @@ namespace taut::scenes {
 /// The names of all methods that have a trait, in words that end "expected one of: ".
 std::string methods_with(bool MethodInfo::*trait);
 
+/// A file that a scene names, and the folder (canonical) inside of which it is.
+struct FoundFile {
+  std::filesystem::path file, within;
+};
+
 /// The file that `value` names, in the first of the asset_folders() that has it. Throws BadScene
 /// when the name is absolute, or the file missing or outside of the folder.
+FoundFile find_asset(const Document& document, const Value& value);
 std::filesystem::path find_file(const Document& document, const Value& value);
 
 /// Does what needs the asset that `value` names. A BadAsset becomes a BadScene that names the

@@ -108,9 +108,9 @@ Character Motions::act(const Value& character) const {
   if (duration.number > kLongestPerformance) {
     document_.mismatch(duration, fmt::format("at most {} s with characters", kLongestPerformance));
   }
-  const auto file = find_file(document_, mesh);
+  const FoundFile found = find_asset(document_, mesh);
   return with_place(document_, mesh, [&] {
-    const auto model = std::make_shared<const Model>(load_model(file));
+    const auto model = std::make_shared<const Model>(load_model(found.file, found.within));
     const HeldStick stick = read_held_stick(document_, character, *this);
     const Value* keys = character.find("head");
     std::optional<Path> head;
@@ -127,8 +127,8 @@ void Motions::check_characters() const {
     const Value& mesh = *character.find("mesh");
     const HeldStick stick = read_held_stick(document_, character, *this);
     if (const Value* keys = character.find("head")) read_head(document_, *keys);
-    const auto file = find_file(document_, mesh);
-    with_place(document_, mesh, [&] { check_figure(load_model(file), stick); });
+    const FoundFile found = find_asset(document_, mesh);
+    with_place(document_, mesh, [&] { check_figure(load_model(found.file, found.within), stick); });
   }
 }
 

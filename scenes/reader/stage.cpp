@@ -25,11 +25,12 @@ class Models {
   explicit Models(const Document& document) : document_(document) {}
 
   ModelPointer get(const Value& value) {
-    const auto file = find_file(document_, value);
-    ModelPointer& model = loaded_[file];
+    const FoundFile found = find_asset(document_, value);
+    ModelPointer& model = loaded_[found.file];
     if (!model) {
-      model = with_place(document_, value,
-                         [&] { return std::make_shared<const Model>(load_model(file)); });
+      model = with_place(document_, value, [&] {
+        return std::make_shared<const Model>(load_model(found.file, found.within));
+      });
     }
     return model;
   }

@@ -49,4 +49,17 @@ CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
           std::max(between(keys, i, u, focus_of), kNearest)};
 }
 
+std::vector<std::string> left_out(const Stage& stage) {
+  std::vector<std::string> lines;
+  for (const auto* models : {&stage.scenery, &stage.body_models, &stage.characters}) {
+    for (const auto& model : *models) {
+      if (!model) continue;
+      for (const std::string& line : model->left_out) {
+        if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
+      }
+    }
+  }
+  return lines;
+}
+
 }  // namespace taut::scenes

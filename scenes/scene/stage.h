@@ -82,6 +82,9 @@ struct Stage {
   std::vector<Caption> captions;
 };
 
+/// What the files of its models hold that is not drawn, a line each.
+std::vector<std::string> left_out(const Stage& stage);
+
 /// The camera at `time` (s); before its first and after its last key it stands still.
 CameraView camera_at(const std::vector<CameraKey>& keys, double time);
 

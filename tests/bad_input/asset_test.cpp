@@ -101,7 +101,40 @@ TEST(BadAsset, EveryFaultIsNamedWithItsPlace) {
   std::filesystem::create_symlink("pipe.glb", home / "a.mtl");
   expect_file("materials from a pipe", "b.obj",
               "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "is a pipe");
+  folder.write("outside.bin", triangle().binary);
+  const auto expect_buffer = [&](const char* name, const std::string& uri, const char* says) {
+    Gltf g = triangle();
+    g.json["buffers"][0]["uri"] = uri;
+    expect_file(name, "a.gltf", g.json.dump(), says);
+  };
+  expect_buffer("a buffer outside", "../outside.bin", "leads out of");
+  expect_buffer("the same, encoded", "%2e%2e%2Foutside.bin", "leads out of");
+  std::filesystem::create_symlink("../outside.bin", home / "link.bin");
+  expect_buffer("a buffer by a link", "link.bin", "is a link that leads out of");
+  expect_buffer("a buffer from a root", "file:///etc/passwd", "expected the name of a file");
+  expect_buffer("a buffer that is not there", "none.bin", "there is no such file");
+  expect_file("materials outside", "c.obj", "mtllib ../a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+              "leads out of");
+  {
+    Gltf g = triangle();
+    g.json["meshes"][0]["name"] = std::string("\x1b[31m\n\0x", 8);
+    g.json["nodes"][0]["scale"] = {0, 0, 0};
+    expect_file("a name of control characters", "a.glb", g.bytes(), "\\x1b[31m\\n\\x00x");
+  }
   EXPECT_TRUE(table.is_as_accepted());
+}
+
+TEST(BadAsset, WhatIsLeftOutOfAModelIsAWarning) {
+  const Folder folder;
+  folder.write("scene.toml", scene("a.obj"));
+  folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n");
+  const char* says = "warning: a.obj: left out: lines (1 statement \"l\", first in line 5)\n";
+  const ProgramResult checked = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(checked.code, 0) << checked.messages;
+  EXPECT_NE(checked.output.find(says), std::string::npos) << checked.output;
+  const ProgramResult exported = run_taut({"export", "scene.toml", "-o", "a.glb"}, folder.path());
+  EXPECT_EQ(exported.code, 0) << exported.messages;
+  EXPECT_NE(exported.messages.find(says), std::string::npos) << exported.messages;
 }
 
 TEST(BadAsset, ASceneWithoutAStageIsNoBetter) {

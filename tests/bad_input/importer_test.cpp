@@ -1,6 +1,7 @@
 // Faults of the library that reads models, planted: the scene's place is named, nothing else
 // happens.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cstdlib>
 
@@ -39,9 +40,10 @@ TEST(BadImporter, EndsAloneAndIsNamed) {
       {"exit", "ends the program", "its reader gave no model"},
       {"memory", "takes memory for ever", "takes more than 2048 MiB of memory to be read"},
       {"loop", "never ends", "takes longer than 5 s to be read"},
-      {"socket", "opens a connection", "its reader asked the system for more than to read files"},
-      {"file", "makes a file", "its reader asked the system for more than to read files"},
-      {"remove", "removes a file", "its reader asked the system for more than to read files"},
+      {"socket", "opens a connection", "its reader asked the system for more than memory"},
+      {"read", "opens a file", "its reader asked the system for more than memory"},
+      {"file", "makes a file", "its reader asked the system for more than memory"},
+      {"remove", "removes a file", "its reader asked the system for more than memory"},
   };
   const Folder folder;
   FaultTable table("Faults in the library that reads models", folder.path());
@@ -63,6 +65,24 @@ TEST(BadImporter, EndsAloneAndIsNamed) {
   EXPECT_EQ(read_file(folder.path() / "scene.toml"), kScene);
   EXPECT_TRUE(table.is_as_accepted());
   EXPECT_EQ(run_taut({"check", "scene.toml"}, folder.path()).code, 0);
+}
+
+/// The limit of whoever runs the program is no fault of the scene.
+TEST(BadImporter, ALimitOfTheProgramsMemoryIsToldAsThat) {
+#ifdef TAUT_SANITIZED
+  GTEST_SKIP() << "a sanitizer's library must be loaded before all others";
+#endif
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  folder.write("ball.glb", triangle().bytes());
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path(), [&] {
+    setenv("LD_PRELOAD", TAUT_IMPORTER_LIBRARY, 1);
+    setenv("TAUT_IMPORTER_FAULT", "memory", 1);
+    const rlimit limit{1u << 30, 1u << 30};
+    setrlimit(RLIMIT_AS, &limit);
+  });
+  EXPECT_EQ(outcome.code, 8) << outcome.messages;
+  EXPECT_EQ(outcome.messages, "taut: out of memory\n");
 }
 
 }  // namespace

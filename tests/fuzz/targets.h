@@ -22,7 +22,8 @@ inline void fuzz_scene(std::string_view bytes) {
 /// As a model, read in this process, so that a fault of the importer's is seen where it happens.
 inline void fuzz_model(const char* name, std::string_view bytes) {
   try {
-    scenes::import_model(name, std::string(bytes));
+    scenes::NamedFiles none;
+    scenes::import_model(name, std::string(bytes), none);
   } catch (const scenes::BadAsset&) {
   }
 }

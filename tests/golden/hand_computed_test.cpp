@@ -146,6 +146,33 @@ std::shared_ptr<const scenes::Model> square(double half_side, const scenes::Mate
   return model;
 }
 
+TEST(HandComputed, APictureMultipliesTheColour) {
+  // Two pixels, red and half of sRGB's grey, nearest, on a square seen from above.
+  constexpr double kSky = 0.7;
+  scenes::Stage stage;
+  stage.light.sky = stage.light.ground = Vec3::Constant(kSky);
+  stage.light.color = Vec3::Zero();
+  auto made = std::make_shared<scenes::Model>(*square(
+      0.5, {.name = "matt", .texture = 0, .base_color = {0.8f, 0.5f, 0.5f}, .roughness = 1}));
+  made->textures = {{.width = 2,
+                     .height = 1,
+                     .magnify = 9728,
+                     .minify = 9728,
+                     .pixels = {255, 0, 0, 255, 188, 188, 188, 255}}};
+  for (scenes::Vertex& v : made->meshes[0].vertices)
+    v.uv = {v.position[0] + 0.5f, v.position[2] + 0.5f};
+  stage.body_models = {made};
+  const picture::Picture picture = render(stage, Vec3(0, kDistance, 1e-3));
+  const double gloss = 0.04 * 0.4524 - 0.0024, grey = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
+  const std::uint8_t* red = picture.at(100, 128);
+  EXPECT_NEAR(red[0], display(kSky * (0.8 + gloss)), 1.6);
+  EXPECT_NEAR(red[1], display(kSky * gloss), 2.5);
+  EXPECT_NEAR(red[2], display(kSky * gloss), 2.5);
+  const std::uint8_t* other = picture.at(156, 128);
+  EXPECT_NEAR(other[0], display(kSky * (0.8 * grey + gloss)), 1.6);
+  EXPECT_NEAR(other[1], display(kSky * (0.5 * grey + gloss)), 1.6);
+}
+
 TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
   // A plate of 0.6 m, 0.5 m above the floor, in light that falls half as far sideways as down:
   // its shadow reaches from x = -0.05 to 0.55 m.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 
 namespace taut::draw {
@@ -73,9 +74,18 @@ Drawable::Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
   if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.7f ? 5 : 1;
 }
 
-Drawable::Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material)
+Drawable::Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material,
+                   std::shared_ptr<const gl::GlObject> texture)
     : Drawable(gl, std::make_shared<RestShape>(gl, mesh.indices, rest_of(mesh)), material,
                surface_named(material.name)) {
+  if (texture) {
+    std::vector<std::array<float, 2>> places;
+    for (const scenes::Vertex& v : mesh.vertices) places.push_back(v.uv);
+    texture_ = std::move(texture);
+    places_ = gl::make_buffer(gl);
+    gl::upload(gl, places_, std::span<const std::array<float, 2>>(places), GL_STATIC_DRAW);
+    make_arrays();
+  }
   std::vector<mesh::MovingVertex> vertices;
   vertices.reserve(mesh.vertices.size());
   for (const scenes::Vertex& v : mesh.vertices)
@@ -153,17 +163,20 @@ gl::GlObject Drawable::make_array(const gl::GlObject& indices) const {
                                        {1, 0, offsetof(mesh::MovingVertex, normal)},
                                        {2, 1, offsetof(mesh::RestVertex, rest)},
                                        {3, 1, offsetof(mesh::RestVertex, color)},
-                                       {4, 2, 0}};
+                                       {4, 2, 0},
+                                       {5, 3, 0}};
   gl::GlObject array = gl::make_vertex_array(*gl_);
   const GLuint id = array.id();
   gl_->VertexArrayElementBuffer(id, indices.id());
   gl_->VertexArrayVertexBuffer(id, 0, shape_->moving_.id(), 0, sizeof(mesh::MovingVertex));
   gl_->VertexArrayVertexBuffer(id, 1, shape_->rest_buffer_.id(), 0, sizeof(mesh::RestVertex));
   if (bathed()) gl_->VertexArrayVertexBuffer(id, 2, light_.id(), 0, sizeof(Eigen::Vector3f));
+  if (texture_) gl_->VertexArrayVertexBuffer(id, 3, places_.id(), 0, 2 * sizeof(float));
   for (const auto& [location, binding, offset] : kAttributes) {
-    if (binding == 2 && !bathed()) continue;
+    if ((binding == 2 && !bathed()) || (binding == 3 && !texture_)) continue;
     gl_->EnableVertexArrayAttrib(id, location);
-    gl_->VertexArrayAttribFormat(id, location, 3, GL_FLOAT, GL_FALSE, GLuint(offset));
+    gl_->VertexArrayAttribFormat(id, location, binding == 3 ? 2 : 3, GL_FLOAT, GL_FALSE,
+                                 GLuint(offset));
     gl_->VertexArrayAttribBinding(id, location, binding);
   }
   return array;
@@ -184,6 +197,23 @@ void Drawable::draw() const {
 void Drawable::draw(const gl::GlObject& array, std::size_t indices) const {
   gl_->BindVertexArray(array.id());
   gl_->DrawElements(GL_TRIANGLES, GLsizei(indices), GL_UNSIGNED_INT, nullptr);
+}
+
+gl::GlObject make_picture_texture(const gl::Gl& gl, const scenes::Texture& texture) {
+  const auto width = int(texture.width), height = int(texture.height);
+  const int levels = int(std::bit_width(std::max(texture.width, texture.height)));
+  gl::GlObject made = gl::make_texture(gl, GL_SRGB8_ALPHA8, width, height, 0, levels);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TextureSubImage2D(made.id(), 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE,
+                       texture.pixels.data());
+  gl.GenerateTextureMipmap(made.id());
+  for (const auto& [name, value] : {std::pair(GL_TEXTURE_WRAP_S, texture.wrap_u),
+                                    {GL_TEXTURE_WRAP_T, texture.wrap_v},
+                                    {GL_TEXTURE_MAG_FILTER, texture.magnify},
+                                    {GL_TEXTURE_MIN_FILTER, texture.minify}}) {
+    gl.TextureParameteri(made.id(), GLenum(name), GLint(value));
+  }
+  return made;
 }
 
 Eigen::AlignedBox3d box_around(std::span<const Drawable> things) {

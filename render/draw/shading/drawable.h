@@ -47,8 +47,9 @@ class Drawable {
  public:
   Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
            const scenes::Material& material, Surface surface);
-  /// A model's mesh in its bind pose.
-  Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material);
+  /// A model's mesh in its bind pose; `texture` (or null) is that of its material.
+  Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material,
+           std::shared_ptr<const gl::GlObject> texture);
 
   /// For one that shares its shape with no other.
   void move(std::span<const mesh::MovingVertex> vertices);
@@ -71,6 +72,8 @@ class Drawable {
   /// Around them.
   const Eigen::AlignedBox3f& box() const { return box_; }
 
+  /// GL's name of the picture that multiplies its colour; 0: none.
+  GLuint texture() const { return texture_ ? texture_->id() : 0; }
   const scenes::Material& material() const { return material_; }
   Surface surface() const { return surface_; }
   /// The axis (0 x, 1 y, 2 z) along which the mesh is longest: wood's grain.
@@ -96,7 +99,9 @@ class Drawable {
 
   const gl::Gl* gl_;
   std::shared_ptr<const RestShape> shape_;
-  gl::GlObject light_, all_, some_;  // vertex arrays of all triangles, and of some
+  std::shared_ptr<const gl::GlObject> texture_;
+  gl::GlObject light_, places_;  // on each vertex, and where each is on the texture
+  gl::GlObject all_, some_;      // vertex arrays of all triangles, and of some
   Vertices follows_;
   std::vector<Eigen::Vector3f> positions_;
   Eigen::AlignedBox3f box_;
@@ -107,6 +112,9 @@ class Drawable {
   bool fine_ = false;
   Flow flow_;
 };
+
+/// A picture as models have them, on the graphics side.
+gl::GlObject make_picture_texture(const gl::Gl& gl, const scenes::Texture& texture);
 
 /// Around all of them, in their own axes; empty without any.
 Eigen::AlignedBox3d box_around(std::span<const Drawable> things);

@@ -59,8 +59,9 @@ const gl::Program& Surfaces::program(const Variant& v) {
     slot = std::make_unique<gl::Program>(
         gl_,
         fmt::format("#define SURFACE {}\n#define SHADE {}\n#define GLOSSY {:d}\n#define BATHED "
-                    "{:d}\n#define FINE {:d}\n{}",
-                    int(v.surface), int(v.shade), v.glossy, v.bathed, v.fine, constants_),
+                    "{:d}\n#define FINE {:d}\n#define TEXTURED {:d}\n{}",
+                    int(v.surface), int(v.shade), v.glossy, v.bathed, v.fine, v.textured,
+                    constants_),
         gl::shaders::surface_vertex, gl::shaders::surface_fragment);
   return *slot;
 }
@@ -77,9 +78,11 @@ void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {
   if (item.triangles.empty()) return;
   const scenes::Material& material = item.drawable->material();
   const bool bathed = item.drawable->bathed();
-  const gl::Program& p = program({item.drawable->surface(), shade, material.roughness < kGlossy,
-                                  bathed, !bathed && item.drawable->fine()});
+  const gl::Program& p =
+      program({item.drawable->surface(), shade, material.roughness < kGlossy, bathed,
+               !bathed && item.drawable->fine(), item.drawable->texture() != 0});
   p.use();
+  if (item.drawable->texture()) gl_.BindTextureUnit(7, item.drawable->texture());
   p.set("model", item.model);
   p.set("base_color", Eigen::Vector3f(material.base_color.data()));
   p.set("base_roughness", std::max(material.roughness, 0.08f));

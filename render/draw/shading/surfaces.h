@@ -80,6 +80,7 @@ class Surfaces {
     bool glossy;  // it mirrors the room
     bool bathed;  // it has light of its own on each vertex
     bool fine;    // light that changes slowly is found at its vertices
+    bool textured;
     auto operator<=>(const Variant&) const = default;
   };
   const gl::Program& program(const Variant& variant);

@@ -21,6 +21,7 @@ void misbehave(const char* how) {
   if (is("throw")) throw std::logic_error("a list has no end");
   if (is("exit")) std::exit(0);
   if (is("socket")) socket(AF_INET, SOCK_STREAM, 0);
+  if (is("read")) open("/etc/passwd", O_RDONLY);
   if (is("file")) open("planted", O_WRONLY | O_CREAT, 0600);
   if (is("remove")) unlink("scene.toml");
   if (is("memory")) {

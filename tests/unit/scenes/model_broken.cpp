@@ -5,9 +5,8 @@
 #include <random>
 
 #include "model_files.h"
-#include "scenes/files/regular_file.h"
-#include "scenes/model/import.h"
-#include "scenes/model/limits.h"
+#include "scenes/files/error.h"
+#include "scenes/model/load_model.h"
 
 namespace taut::model_broken {
 namespace {
@@ -18,8 +17,7 @@ using ModelBroken = ModelFiles;
 /// In this process: some thousand files are read, and a sanitizer sees what happens.
 std::string complaint_about(const std::filesystem::path& file) {
   try {
-    scenes::import_model(file,
-                         scenes::read_regular_file(file, scenes::model_limits::bytes, "a model"));
+    scenes::load_model_here(file);
   } catch (const scenes::BadAsset& error) {
     return error.what();
   }
@@ -46,7 +44,7 @@ TEST_F(ModelBroken, FilesThatAreNoModel) {
   expect(write("b.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n"), "line 3: index 3, but there are 2 so far");
   expect(write("c.obj", "v 0 nan 0\n"), "line 1: \"nan\" is not a number");
   expect(write("d.obj", "v 0 0\n"), "line 1: 2 numbers after v, expected 3 to 7");
-  expect(write("e.obj", "curv 0 1 2\n"), "line 1: unknown statement \"curv\"");
+  expect(write("e.obj", "curb 0 1 2\n"), "line 1: unknown statement \"curb\"");
 }
 
 TEST_F(ModelBroken, EveryTruncationIsRefused) {
@@ -119,9 +117,9 @@ TEST_F(ModelBroken, StructuresThatLie) {
       {"two nodes are named", [](Gltf& g) { g.json["nodes"][1]["name"] = "Tip"; }},
       {"roughness",
        [](Gltf& g) { g.json["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = -1; }},
-      {"not made of triangles", [&](Gltf& g) { primitive(g)["mode"] = 0; }},
+      {"has no triangles", [&](Gltf& g) { primitive(g)["mode"] = 0; }},
       {"must have both", [&](Gltf& g) { primitive(g)["attributes"].erase("WEIGHTS_0"); }},
-      {"a file beside it",
+      {"expected the name of a file",
        [](Gltf& g) { g.json["buffers"][0]["uri"] = "http://example.org/a.bin"; }},
   };
   for (const Fault& fault : faults) {
@@ -184,10 +182,13 @@ TEST_F(ModelBroken, LibrariesOfMaterialsAreRegularFilesBesideIt) {
   EXPECT_EQ(complaint("none.mtl"), "accepted");
   write("whole.mtl", "newmtl Brass\nKd 1 0.5 0\n");
   EXPECT_EQ(complaint("whole.mtl"), "accepted");
-  EXPECT_NE(complaint("pipe.mtl").find("pipe.mtl: is a pipe, expected a library of materials"),
-            std::string::npos)
+  EXPECT_NE(
+      complaint("pipe.mtl")
+          .find("a.obj: line 1: mtllib \"pipe.mtl\": is a pipe, expected a library of materials"),
+      std::string::npos)
       << complaint("pipe.mtl");
-  EXPECT_NE(complaint("../../etc/passwd").find("is not beside the model"), std::string::npos)
+  EXPECT_NE(complaint("../../etc/passwd").find("leads out of " + folder_.string()),
+            std::string::npos)
       << complaint("../../etc/passwd");
 }
 

@@ -15,13 +15,14 @@ namespace taut::model_bytes_test {
 namespace {
 
 scenes::Model small() {
-  return scenes::import_model("small.glb", skinned().bytes());
+  scenes::NamedFiles none;
+  return *scenes::import_model("small.glb", skinned().bytes(), none);
 }
 
 TEST(ModelBytes, ComeBackToTheBit) {
   for (const char* name : {"martial_artist.glb", "dojo.glb", "peg.glb"}) {
     const std::filesystem::path file = TAUT_SOURCE_DIR "/assets/" + std::string(name);
-    const std::string bytes = scenes::to_bytes(scenes::import_model(file, read_file(file)));
+    const std::string bytes = scenes::to_bytes(scenes::load_model_here(file));
     const auto model = scenes::model_of_bytes(bytes);
     ASSERT_TRUE(model) << name;
     EXPECT_EQ(scenes::to_bytes(*model), bytes) << name;

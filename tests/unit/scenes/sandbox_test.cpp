@@ -104,7 +104,15 @@ TEST(Sandbox, MemoryEndsWhereTheLimitIs) {
   };
   EXPECT_EQ(run(take(kLimits.memory / 2)).end, End::replied);
   EXPECT_EQ(run(take(4 * kLimits.memory)).end, End::no_memory);
-  EXPECT_EQ(run([] { return std::string(kLimits.reply + 1, 'x'); }).end, End::no_memory);
+  EXPECT_EQ(run([] { return std::string(kLimits.reply + 1, 'x'); }).end, End::too_long);
+  // In a process that may take less than the limit.
+  const auto ends_by_own_limit = [&] {
+    const rlimit own{1u << 30, 1u << 30};
+    setrlimit(RLIMIT_AS, &own);
+    const scenes::SandboxLimits more{8ul << 30, 1u << 20, 10, 10};
+    return run(take(4ul << 30), more).end == End::out_of_memory;
+  };
+  EXPECT_EXIT(exit(ends_by_own_limit() ? 7 : 8), testing::ExitedWithCode(7), "");
 }
 
 TEST(Sandbox, WhatItNeedsNotIsForbidden) {
@@ -118,6 +126,11 @@ TEST(Sandbox, WhatItNeedsNotIsForbidden) {
       {"makes a file", [&] { open(made.c_str(), O_RDWR | O_CREAT, 0600); }},
       {"makes a file without a name",
        [&] { open(folder.path().c_str(), O_TMPFILE | O_WRONLY, 0600); }},
+      {"reads a file", [&] { open(kept.c_str(), O_RDONLY); }},
+      {"reads a file by its folder", [&] { openat(AT_FDCWD, kept.c_str(), O_RDONLY); }},
+      {"asks for a file", [&] { access(kept.c_str(), R_OK); }},
+      {"asks what a file is", [&] { std::filesystem::file_size(kept); }},
+      {"follows a link", [&] { std::filesystem::read_symlink("/proc/self/exe"); }},
       {"writes into a file", [&] { open(kept.c_str(), O_WRONLY); }},
       {"empties a file", [&] { open(kept.c_str(), O_RDONLY | O_TRUNC); }},
       {"removes a file", [&] { unlink(kept.c_str()); }},
@@ -136,7 +149,19 @@ TEST(Sandbox, WhatItNeedsNotIsForbidden) {
   }
   EXPECT_EQ(read_file(kept), "as it was");
   EXPECT_FALSE(std::filesystem::exists(made));
-  EXPECT_EQ(run([&] { return read_file(kept); }).reply, "as it was");
+}
+
+TEST(Sandbox, NothingIsOpenedWithoutFiltersToo) {
+#ifdef TAUT_SANITIZED
+  GTEST_SKIP() << "its checks of types open a pipe";
+#endif
+  const scenes::SandboxResult result = run([] {
+    rlimit files{};
+    getrlimit(RLIMIT_NOFILE, &files);
+    return std::to_string(files.rlim_cur) + ' ' + std::to_string(files.rlim_max);
+  });
+  if (result.end == End::forbidden) GTEST_SKIP() << "the filters forbid the question";
+  EXPECT_EQ(result.reply, "0 0");
 }
 
 TEST(Sandbox, ThereMayBeThreadsAndIgnoredChildren) {
