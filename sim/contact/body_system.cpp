@@ -6,6 +6,7 @@
 
 #include "sim/links/dense.h"
 #include "sim/motion/rotation.h"
+#include "sim/motion/stop.h"
 
 namespace taut::contact {
 namespace {
@@ -176,6 +177,7 @@ bool BodySystem::polish(std::span<const Vec3> bare, std::span<BodyTouch> touches
   const std::vector<Vec3> kept = given_;
   double before = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kNewtons; ++i) {
+    check_stop();
     linearize(bare, touches);
     const std::vector<Vec3> next = solve_linear(touches);
     double most = 0, change = 0;
@@ -278,6 +280,7 @@ bool BodySystem::solve(std::span<const Vec3> bare, std::span<BodyTouch> touches,
   std::size_t before = states();
   int same = 0, wait = 1;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    check_stop();
     bool finds = true;
     double change = 0, most = 0;
     for (std::size_t i = 0; i < touches.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "sim/contact/contact_motion.h"
 #include "sim/contact/damping.h"
 #include "sim/motion/hash.h"
+#include "sim/motion/stop.h"
 
 namespace taut::contact {
 namespace {
@@ -153,6 +154,7 @@ double ContactMotion::until_it_slides(std::size_t row, double error) const {
 /// Nonlinear Gauss-Seidel along the rows and back (Jean 1999, section 5).
 void ContactMotion::relax(std::span<const double> start) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    check_stop();
     for (std::size_t r = 0; r < start.size(); ++r) relax_row(r, start[r]);
     for (std::size_t r = start.size(); r-- > 0;) relax_row(r, start[r]);
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/motion/stop.h"
+
 namespace taut::contact {
 namespace {
 
@@ -195,6 +197,7 @@ double ContactMotion::project(double time, State& state) {
     shift_bodies(along, offset == mechanism_.position(0), state);
   };
   for (int i = 0; i < kProjections; ++i) {
+    check_stop();
     worst = 0;
     for (std::size_t p = 0; p < beads_.size(); ++p) {
       const Bead& bead = beads_[p];

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "sim/motion/stop.h"
+
 namespace taut::contact {
 namespace {
 
@@ -38,6 +40,7 @@ Vec3 friction_after(const Touch& touch, const EffectiveMass& mass, const Vec3& b
 void sweep(std::span<const Mat6> mobility, std::span<const EffectiveMass> masses,
            std::span<BodyTouch> touches, std::span<Vec6> twists) {
   for (int i = 0; i < kMostSweeps; ++i) {
+    check_stop();
     double most = 0, changed = 0;
     for (std::size_t t = 0; t < touches.size(); ++t) {
       BodyTouch& at = touches[t];

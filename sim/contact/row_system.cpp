@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/motion/stop.h"
+
 namespace taut::contact {
 namespace {
 
@@ -69,6 +71,7 @@ void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> mobil
   Eigen::MatrixXd system = Eigen::MatrixXd::Identity(coupling_.rows(), coupling_.cols());
   Eigen::MatrixXd response(coupling_.rows(), coupling_.cols());
   for (std::size_t k = 0; k < border_.size(); ++k) {
+    check_stop();
     const std::span column(&columns_[k * count], count);
     std::ranges::fill(column, 0.0);
     column[border_rows_[k]] = 1;

@@ -1,5 +1,7 @@
 #include "sim/links/dense.h"
 
+#include "sim/motion/stop.h"
+
 namespace taut {
 
 void LeastSquares::compute(const Eigen::MatrixXd& matrix) {
@@ -14,6 +16,7 @@ Eigen::VectorXd LeastSquares::solve(const Eigen::VectorXd& right) const {
 Eigen::MatrixXd LeastSquares::solve(const Eigen::MatrixXd& right) const {
   Eigen::MatrixXd x(decomposed_.cols(), right.cols());
   for (Eigen::Index k = 0; k < right.cols(); ++k) {
+    check_stop();
     x.col(k) = solve(Eigen::VectorXd(right.col(k)));
   }
   return x;

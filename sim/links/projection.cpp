@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/motion/stop.h"
+
 namespace taut {
 namespace {
 
@@ -42,6 +44,7 @@ Projection::Left Projection::lengths(Mechanism& mechanism, double time,
     left = {std::abs(*worst), static_cast<std::size_t>(worst - violation.begin())};
     const bool settled = i > 0 && left.violation < kKept && left.violation > before / 2;
     if (!(left.violation >= kRounding) || settled || i == kIterations) return left;
+    check_stop();
     system_.assemble(mechanism);
     system_.solve(right_side(violation), multiplier_);
     mechanism.move(multiplier_.data(), state.data());

@@ -4,6 +4,8 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 
+#include "sim/motion/stop.h"
+
 namespace taut {
 namespace {
 
@@ -95,6 +97,7 @@ void SparseLdlt::analyse(std::size_t rows, std::span<const Coupling> couplings) 
 }
 
 void SparseLdlt::factor(const double* values) {
+  check_stop();
   dependent_ = 0;
   std::ranges::fill(filled_, 0u);
   for (std::size_t k = 0; k < rows_; ++k) {

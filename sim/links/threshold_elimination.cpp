@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/motion/stop.h"
+
 namespace taut {
 
 namespace {
@@ -44,6 +46,7 @@ void ThresholdElimination::compute(const Eigen::MatrixXd& matrix) {
   for (Eigen::Index i = 0; i < size; ++i) rest_[static_cast<std::size_t>(i)] = i;
   std::size_t rows = 0, columns = 0;
   for (Eigen::Index pivot = size - 1; pivot >= 0; --pivot) {
+    check_stop();
     if (!takes(pivot)) continue;
     for (; rows < rows_.size(); ++rows) {
       const double factor = work_(rows_[rows], pivot) /= work_(pivot, pivot);

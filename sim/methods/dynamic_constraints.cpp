@@ -7,6 +7,7 @@
 #include "sim/links/tension.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
+#include "sim/motion/stop.h"
 #include "sim/run/companion.h"
 
 namespace taut::methods {
@@ -57,7 +58,10 @@ class DynamicConstraints final : public SteppedMethod {
     for (double parts = parts_of(dt);; parts = parts_of(dt)) {
       const double part = dt / parts;
       highest_squared_ = 0;
-      for (double i = 0; i < parts; ++i) single_step(mechanism, time + i * part, part, state);
+      for (double i = 0; i < parts; ++i) {
+        check_stop();
+        single_step(mechanism, time + i * part, part, state);
+      }
       counters_.steps += static_cast<std::uint64_t>(parts) - 1;
       // A jerk shows in the tensions only when it is there: then once more, finer.
       if (parts == kMostParts || parts_of(dt) <= 2 * parts) return;

@@ -8,6 +8,7 @@
 #include "sim/methods/repositioning.h"
 #include "sim/methods/span_impulse.h"
 #include "sim/methods/span_path.h"
+#include "sim/motion/stop.h"
 #include "sim/run/companion.h"
 #include "sim/topology/room.h"
 #include "sim/topology/span.h"
@@ -33,7 +34,10 @@ class Impulse final : public Method {
   void advance(World& world, double until) override {
     if (!prepared_ || topology_ != world.topology) prepare(world);
     const StepTimes times(world.time, until, step_);
-    for (std::uint64_t i = 0; i < times.count; ++i) step(world, times.at(i + 1), times.dt);
+    for (std::uint64_t i = 0; i < times.count; ++i) {
+      check_stop();
+      step(world, times.at(i + 1), times.dt);
+    }
     world.time = until;
   }
 
@@ -110,7 +114,10 @@ void Impulse::step(World& world, double time, double dt) {
   if (touches_.any()) touches_.begin_repositioning(world, dt);
   repositioning_.begin(world);
   for (const Span& span : spans_) {
-    for (int pass = 0; pass < passes_; ++pass) repositioning_.pass(world, span, touches_, dt);
+    for (int pass = 0; pass < passes_; ++pass) {
+      check_stop();
+      repositioning_.pass(world, span, touches_, dt);
+    }
     repositioning_.stay_in_reach(world, span, touches_, dt);
   }
   repositioning_.set_velocities(world, dt);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <complex>
 
+#include "sim/motion/stop.h"
+
 namespace taut::methods {
 namespace {
 
@@ -33,6 +35,7 @@ void SteppedMethod::advance(World& world, double until) {
   }
   const StepTimes times(world.time, until, step_ > 0 ? step_ : limit_);
   for (std::uint64_t i = 0; i < times.count; ++i) {
+    check_stop();
     step(mechanism_, times.at(i), times.dt, state_);
     ++counters_.steps;
     mechanism_.follow(times.at(i + 1), state_);

@@ -9,6 +9,7 @@
 #include "sim/methods/carried.h"
 #include "sim/methods/stepped.h"
 #include "sim/methods/xpbd_material.h"
+#include "sim/motion/stop.h"
 #include "sim/run/companion.h"
 
 namespace taut::methods {
@@ -102,6 +103,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
 
   std::ranges::fill(multiplier_, 0.0);
   for (int i = 0; i < iterations_; ++i) {
+    check_stop();
     pass(mechanism, compliance_ / (dt * dt), state.data());
     if (material_.any()) material_.pass(mechanism, dt, state.data());
   }

@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "sim/motion/stop.h"
+
 namespace taut {
 
 /// Calls `work(i)` for every i below `count`, several at a time; throws what one of them threw.
@@ -20,7 +22,10 @@ void side_by_side(std::size_t count, Work work) {
   std::mutex mutex;
   const auto go = [&] {
     try {
-      for (std::size_t i = next++; i < count; i = next++) work(i);
+      for (std::size_t i = next++; i < count; i = next++) {
+        check_stop();
+        work(i);
+      }
     } catch (...) {
       const std::lock_guard lock(mutex);
       failure = std::current_exception();

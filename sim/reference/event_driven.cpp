@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/contact/contact_motion.h"
+#include "sim/motion/stop.h"
 #include "sim/reference/runge_kutta.h"
 
 namespace taut::reference {
@@ -90,6 +91,7 @@ void EventDriven::advance(World& world, double until) {
 
 /// One step, not beyond `until`.
 void EventDriven::step(double until) {
+  check_stop();
   const double wanted = std::min(step_, kLongest);
   const bool last = time_ + wanted * (1 + 1e-9) >= until;
   double taken = last ? until - time_ : wanted, end = time_;
@@ -124,6 +126,7 @@ double EventDriven::attempt(double h) {
   const auto system = [this](const reference::State& x, reference::State& dxdt, double t) {
     slope(x, dxdt, t);
   };
+  check_stop();
   explicit_.do_step(system, state_, time_, next_, h);
   motion_.project(time_ + h, next_);
   motion_.events(time_ + h, next_, next_values_);

@@ -6,6 +6,7 @@
 #include "sim/links/mechanism.h"
 #include "sim/links/projection.h"
 #include "sim/links/pulley_friction.h"
+#include "sim/motion/stop.h"
 #include "sim/reference/event_driven.h"
 #include "sim/reference/runge_kutta.h"
 #include "sim/run/companion.h"
@@ -118,6 +119,7 @@ void Multipliers::step(double& time, double until) {
   const auto system = [this](const reference::State& x, reference::State& dxdt, double t) {
     slope(x, dxdt, t);
   };
+  check_stop();
   const double wanted = step_;
   const bool last = time + wanted * (1 + 1e-9) >= until;
   const double from = time;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/links/projection.h"
+#include "sim/motion/stop.h"
 #include "sim/reference/sdfast/ball.h"
 #include "sim/reference/sdfast/chain.h"
 #include "sim/reference/sdfast/model.h"
@@ -136,6 +137,7 @@ void SdFast::store(World& world, double until) {
 /// At each instant that a model looks at. In the frame of a moving base, which does not turn,
 /// everything falls against its acceleration.
 void SdFast::look(double time) {
+  check_stop();
   SdFast& user = *user_;
   ++user.counters_.solves;
   user.counters_.cycles += 3000 + 600 * static_cast<double>(user.chain_.links);

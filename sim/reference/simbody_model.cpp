@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "sim/motion/stop.h"
 #include "sim/reference/simbody_types.h"
 
 namespace taut::reference {
@@ -308,6 +309,7 @@ struct SimbodyModel::Impl {
     run->setAccuracy(accuracy);
     run->setAllowInterpolation(false);
     run->setInternalStepLimit(kAttempts);
+    run->setReturnEveryInternalStep(true);
     run->initialize(model.load(world));
   }
 
@@ -329,8 +331,11 @@ SimbodyModel::~SimbodyModel() = default;
 void SimbodyModel::advance(World& world, double until) {
   impl_->live = &world;
   try {
+    const int before = impl_->run->getNumStepsAttempted();
     while (impl_->run->getTime() < until) {
-      if (impl_->run->stepTo(until) == SimTK::Integrator::ReachedStepLimit) {
+      check_stop();
+      if (impl_->run->stepTo(until) == SimTK::Integrator::ReachedStepLimit ||
+          impl_->run->getNumStepsAttempted() - before > kAttempts) {
         throw std::runtime_error("its steps became too short");
       }
     }

@@ -63,7 +63,24 @@ Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline tim
 }
 
 void Simulation::advance_to(double time) {
+  if (is_stopped_) {
+    throw std::runtime_error("the simulation was stopped within a step and cannot continue");
+  }
   if (!(time >= world_.time)) throw std::invalid_argument("a simulation cannot go back in time");
+  is_stopped_ = true;  // by whatever else is thrown
+  try {
+    follow_timeline(time);
+  } catch (const Diverged&) {
+    is_stopped_ = false;
+    throw;
+  } catch (const BadIntervention&) {
+    is_stopped_ = false;
+    throw;
+  }
+  is_stopped_ = false;
+}
+
+void Simulation::follow_timeline(double time) {
   method_->clear_events();
   if (is_shared_) refresh(world_);
   for (; next_ < entries_.size(); ++next_) {

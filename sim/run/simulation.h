@@ -27,7 +27,9 @@ class Simulation {
 
   /// Advances to `time` (s, not before the present), and does what the timeline has until then; a
   /// time that is a rounding off `time` or the present is the same.
-  /// The method's events are those of this call afterwards. Throws Diverged and BadIntervention.
+  /// The method's events are those of this call afterwards. Throws Diverged, BadIntervention, and
+  /// what the stop check throws (see set_stop_check()): after that the world is at no one time, and
+  /// a further call throws std::runtime_error.
   void advance_to(double time);
 
   /// Goes on from `world`, a state of this simulation's own at its present or later, where the
@@ -66,6 +68,7 @@ class Simulation {
     std::size_t connector;  // of the start
     std::size_t index;      // in the timeline's list
   };
+  void follow_timeline(double time);
   void go_to(const Entry& entry, double time);
   std::vector<Parts::Place> places_at(double time) const;
   void catch_up(double time);
@@ -85,6 +88,7 @@ class Simulation {
 
   World world_;
   bool is_shared_ = false;   // somebody may change it
+  bool is_stopped_ = false;  // within a step, by the stop check
   std::uint64_t begun_ = 0;  // how often the method began anew
   BodiesAsLinks bodies_as_links_;
   std::unique_ptr<Method> method_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/methods/direct/contacts.h"
+#include "sim/motion/stop.h"
 
 namespace taut::direct {
 namespace {
@@ -125,6 +126,7 @@ void Contacts::take_step(Group& group, double until) {
 
 /// A step from `time` by at most h (s), after so many hits in a row.
 double Contacts::attempt(ContactStep& step, double time, double h, double slippery, int located) {
+  check_stop();
   const std::uint64_t before = step.solves();
   const double lowest = kLowest * options_.tolerance;
   const double gone = step.attempt(time, h, slippery, located < kLocatedHits, lowest);

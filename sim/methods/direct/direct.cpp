@@ -62,7 +62,7 @@ class Direct : public Method {
           if (const Hold* hold = find_hold(connector, end)) place_hold(world, connector, *hold);
         }
       }
-      parts_.all()[part]->store(world);
+      store_part(world, part);
     }
     left_behind_ = true;
     return true;
@@ -104,17 +104,27 @@ class Direct : public Method {
       advance_part(world, part, until);
     }
     place_prescribed(world, until);
-    for (const auto& part : parts_.all()) part->store(world);
+    for (std::size_t part = 0; part < parts_.all().size(); ++part) store_part(world, part);
     place_carried(world);
     refuse_led_away(world);
     note(world);
   }
 
-  /// Says why, where no step is small enough in it.
   void advance_part(World& world, std::size_t index, double until) {
+    with_part(world, index, [&](Integrator& part) { part.advance(world, until, counters_); });
+  }
+
+  /// Loops may not close at a time within a step.
+  void store_part(World& world, std::size_t index) {
+    with_part(world, index, [&](Integrator& part) { part.store(world); });
+  }
+
+  /// Throws Diverged with the cause where no step of the part is small enough.
+  template <class Work>
+  void with_part(const World& world, std::size_t index, Work work) {
     Integrator& part = *parts_.all()[index];
     try {
-      part.advance(world, until, counters_);
+      work(part);
     } catch (const Integrator::StepTooSmall& stop) {
       throw stopped(world, part.component(), stop.time);
     }

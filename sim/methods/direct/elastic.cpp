@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/material/forces.h"
+#include "sim/motion/stop.h"
 
 namespace taut::direct {
 namespace {
@@ -128,6 +129,7 @@ void Elastic::follow(Part& part, double until) {
     double h = (until - time) / count;
     double error = 0, limit = 0;
     for (bool taken = false; !taken;) {
+      check_stop();
       limit = allowed(part, h);
       const std::uint64_t before = step.iterations();
       const RadauStep::Result result = step.attempt(time, h, left_open(part, h), limit);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/motion/stop.h"
+
 namespace taut::direct {
 namespace {
 
@@ -171,6 +173,7 @@ bool Integrator::leave_plane(World& world) {
 
 void Integrator::advance_by_tolerance(World& world, double until, Counters& counters) {
   while (is_before(until)) {
+    check_stop();
     if (step_ == 0) {
       refresh(counters);
       step_ = first_step();
@@ -247,6 +250,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
   double error = 0;
   int& rest = rests_[rosenbrock].steps;
   while (is_before(until)) {
+    check_stop();
     counters.solves += 1;
     counters.cycles += cost_[adams] * system_.cycles();
     error = adams_.attempt(system_, time_, q_.data(), rate_.data(), kLittle * allowed) / allowed;
@@ -329,6 +333,7 @@ void Integrator::advance_by_step(World& world, double until, Counters& counters)
   for (std::uint64_t i = 1; i <= times.count; ++i) {
     const double end = times.at(i);
     while (time_ < end) {
+      check_stop();
       refresh(counters);
       const double h = end - time_;
       scheme_ = h > stable_step(dop853) ? rosenbrock : dop853;

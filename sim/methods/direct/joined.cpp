@@ -8,6 +8,7 @@
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/schemes/dop853.h"
 #include "sim/methods/direct/system/scales.h"
+#include "sim/motion/stop.h"
 #include "sim/topology/span.h"
 
 namespace taut::direct {
@@ -272,6 +273,7 @@ void Joined::follow(const World& world, double until) {
     const double stable = longest_step(wave_frequency());
     double change = kNever;  // s, from here to where rope begins to slide, or stops
     for (bool taken = false; !taken;) {
+      check_stop();
       const double wish = std::min(options_.step > 0 ? options_.step : step_, stable);
       const double left = until - time_;
       const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));

@@ -5,6 +5,7 @@
 #include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
 #include "sim/methods/direct/contact/contact_step.h"
+#include "sim/motion/stop.h"
 
 namespace taut::direct {
 namespace {
@@ -47,6 +48,7 @@ bool ContactStep::glide(double time, double h) {
   double before = INFINITY;
   bool turns = false;
   for (int i = 0; i < kIterations; ++i) {
+    check_stop();
     measure();
     aim(h);
     if (bodies_.any()) turn_ = std::max(turn_, bodies_.aim(body_step(time, h), next_));

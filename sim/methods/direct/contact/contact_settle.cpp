@@ -8,6 +8,7 @@
 #include "sim/contact/restitution.h"
 #include "sim/methods/direct/contact/contact_step.h"
 #include "sim/methods/direct/contact/entry.h"
+#include "sim/motion/stop.h"
 
 namespace taut::direct {
 namespace {
@@ -294,6 +295,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     beads_.find_errors(mechanism_, free_, next_, bodies_, creep);
   };
   for (int i = 0; i < kIterations; ++i) {
+    check_stop();
     errors();
     if (sort_strings(1)) {
       kick(dropped_, to_, 1);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/motion/stop.h"
+
 namespace taut::direct {
 namespace {
 
@@ -179,6 +181,7 @@ RadauStep::Result RadauStep::attempt(double time, double h, double within, doubl
   const double floor = kFloor * system_.length();
   double before = 0;
   for (int i = 0; i < kIterations; ++i) {
+    check_stop();
     const double moved = iterate(time, h);
     if (!std::isfinite(moved)) return {};
     const double contraction = i > 0 ? moved / before : kSlow;
