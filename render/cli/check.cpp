@@ -3,14 +3,14 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include "render/base/atomic_file.h"
-#include "render/base/interrupt.h"
+#include "render/base/bounded.h"
 #include "render/cli/check_connectors.h"
+#include "render/cli/check_time.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
@@ -18,6 +18,7 @@
 #include "render/program/command.h"
 #include "render/program/json.h"
 #include "render/program/program.h"
+#include "scenes/files/error.h"
 #include "scenes/format/schema.h"
 #include "scenes/load/default_stage.h"
 #include "scenes/load/faults.h"
@@ -36,11 +37,19 @@ struct Options {
   std::vector<std::string> plans;
 };
 
-constexpr int kSamples = 4;                  // per pixel, as taut render takes them
-constexpr std::chrono::seconds kLooking{2};  // for what needs a simulation
-constexpr double kLookedAt = 1e9;            // bytes; what takes more is not simulated for a look
-/// Bodies, connectors, pins and cuts; of more, one moment can take longer than the look may.
-constexpr std::size_t kThings = 1000;
+constexpr int kSamples = 4;           // per pixel, as taut render takes them
+constexpr double kLooking = 2;        // s of CPU time between frames: each of two looks ends then
+constexpr double kLongestLook = 6;    // s of CPU time: both are ended then, within a frame too
+constexpr double kLookedAt = 1e9;     // bytes; what takes more is not simulated for a look
+constexpr std::size_t kMemory = 3e9;  // bytes, of the looks
+
+/// What is known of a scene.
+struct Known {
+  scenes::Scene scene;
+  bool staged = false;  // its file has a stage
+  RunTime time;
+  std::vector<std::string> warnings;
+};
 
 struct TooLong {};
 
@@ -95,10 +104,24 @@ void append(program::Json& object, const std::string& name, program::Json member
       .emplace_back(name, std::move(member));
 }
 
-program::Json as_json(const scenes::Scene& scene, bool staged,
-                      const std::vector<std::string>& warnings, int threads) {
+program::Json needs_json(const options::Needs& needs, const RunTime& run, double more) {
+  program::Json json = {{"memory_bytes", std::round(needs.memory)},
+                        {"disk_bytes", std::round(needs.disk)}};
+  json["time_s"] = run.unknown.empty() ? program::Json(run.seconds + more) : program::Json(nullptr);
+  json["measured_until_s"] = run.simulated;
+  json["at_least"] = run.at_least;
+  return json;
+}
+
+/// The time (s) of drawing the clip, without simulating it.
+double drawing_time(const scenes::Scene& scene, const options::Needs& clip) {
+  return clip.time - options::simulation_needs(scene).time;
+}
+
+program::Json as_json(const Known& known, int threads) {
+  const scenes::Scene& scene = known.scene;
   program::Json json = {
-      {"scene", scene.file.string()},          {"title", scene.title}, {"warnings", warnings},
+      {"scene", scene.file.string()},          {"title", scene.title}, {"warnings", known.warnings},
       {"duration_s", scene.duration},          {"fps", scene.fps},     {"frames", scene.frames()},
       {"size_px", {scene.width, scene.height}}};
   json["method"] = scene.method.name;
@@ -152,11 +175,13 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
   if (scene.stage) json["clip_frames"] = std::uint64_t(options::clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
   json["cuts"] = scene.timeline.cuts.size();
-  json["simulate"] = options::needs_json(options::simulation_needs(scene));
-  if (scene.stage)
-    json["render"] = options::needs_json(
-        options::clip_needs(scene, options::clip_length(scene), kSamples, threads));
-  json["stage"] = staged;
+  json["simulate"] = needs_json(options::simulation_needs(scene), known.time, 0);
+  if (scene.stage) {
+    const options::Needs clip =
+        options::clip_needs(scene, options::clip_length(scene), kSamples, threads);
+    json["render"] = needs_json(clip, known.time, drawing_time(scene, clip));
+  }
+  json["stage"] = known.staged;
   json["models"] = program::Json::array();
   if (!scene.stage) return json;
   for (const auto& [use, model] : models(scene)) {
@@ -181,8 +206,9 @@ std::vector<std::string> pairs_with_connectors(const World& world) {
   return lines;
 }
 
-std::string as_text(const scenes::Scene& scene, bool staged,
-                    const std::vector<std::string>& warnings, int threads) {
+std::string as_text(const Known& known, int threads) {
+  const scenes::Scene& scene = known.scene;
+  const std::vector<std::string>& warnings = known.warnings;
   std::string text;
   const auto line = [&text](const std::string& words) { text += words + '\n'; };
   const World& world = scene.world;
@@ -237,8 +263,8 @@ std::string as_text(const scenes::Scene& scene, bool staged,
              : fmt::format("plan: {} by {} (--planned)", scenes::certificate(plan),
                            plan.method.name));
   }
-  line(
-      fmt::format("taut simulate takes {}", options::needs_text(options::simulation_needs(scene))));
+  line(fmt::format("taut simulate takes {} and {}",
+                   options::space_text(options::simulation_needs(scene)), text_of(known.time)));
   if (!scene.stage) {
     line("stage: none is written; taut makes its own");
     for (const std::string& warning : warnings) line("warning: " + warning);
@@ -246,11 +272,12 @@ std::string as_text(const scenes::Scene& scene, bool staged,
   }
   const std::size_t shots = scene.stage->shots.size();
   line(fmt::format("stage{}: {}x{}; the clip has {:.0f} frames in {} shot{}",
-                   staged ? "" : ", as none is written, taut's own", scene.width, scene.height,
-                   options::clip_length(scene), shots, shots == 1 ? "" : "s"));
-  line(fmt::format("taut render takes {}",
-                   options::needs_text(options::clip_needs(scene, options::clip_length(scene),
-                                                           kSamples, threads))));
+                   known.staged ? "" : ", as none is written, taut's own", scene.width,
+                   scene.height, options::clip_length(scene), shots, shots == 1 ? "" : "s"));
+  const options::Needs clip =
+      options::clip_needs(scene, options::clip_length(scene), kSamples, threads);
+  line(fmt::format("taut render takes {}; beside simulating, drawing takes {} without a GPU",
+                   options::space_text(clip), options::time_text(drawing_time(scene, clip))));
   for (const auto& [use, model] : models(scene)) {
     line(fmt::format("{}: {}, {} triangles{}", use, model->name, triangles(*model),
                      model->bones.empty() ? "" : fmt::format(", {} bones", model->bones.size())));
@@ -259,39 +286,83 @@ std::string as_text(const scenes::Scene& scene, bool staged,
   return text;
 }
 
-int check(const std::string& file, const std::vector<std::string>& set,
+/// Completes the stage and looks at what its camera shows and at the choreography. Calls `tell`
+/// with all that is known before each part, that this is left out among the warnings, and at the
+/// end.
+void look(Known known, const std::vector<scenes::SceneChange>& changes,
+          const std::function<void(const Known&)>& tell) {
+  const auto tell_without = [&](const std::string& left_out) {
+    Known so_far = known;
+    so_far.warnings.push_back(left_out);
+    tell(so_far);
+  };
+  const auto too_long = fmt::format("within {} s of CPU time", kLongestLook);
+  try {
+    const double end = render::process_seconds() + kLooking;
+    scenes::Scene complete = known.scene;
+    const std::string left_out = scenes::complete_stage(complete, changes, [&] {
+      if (render::process_seconds() > end) throw TooLong();
+    });
+    known.scene = std::move(complete);
+    if (!left_out.empty()) known.warnings.push_back(left_out);
+  } catch (const TooLong&) {
+    return tell_without(fmt::format(
+        "the camera is left out: {} s of CPU time do not suffice to simulate what it has to show",
+        kLooking));
+  }
+  tell_without(fmt::format("what the camera shows is left out: it was not simulated {}", too_long));
+  for (std::string& warning : scenes::warnings_of(known.scene, kLooking, [] {})) {
+    known.warnings.push_back(std::move(warning));
+  }
+  tell_without(fmt::format("the choreography is left out: it was not simulated {}", too_long));
+  if (auto missed = scenes::choreography_warning(known.scene, changes)) {
+    known.warnings.push_back(std::move(*missed));
+  }
+  tell(known);
+}
+
+/// What a look found, as the command's output; ended where it takes too long.
+std::string looked_at(Known known, const std::vector<scenes::SceneChange>& changes,
+                      const std::function<std::string(const Known&)>& written) {
+  const char* left_out = "the camera and what it shows are left out: too much to simulate";
+  constexpr char kEnd = '\0', kError = '\1';  // after a text
+  std::string said;
+  if (options::simulation_needs(known.scene).memory <= kLookedAt) {
+    said = render::run_bounded({kLongestLook, kMemory}, [&](const render::Say& say) {
+             try {
+               look(known, changes, [&](const Known& found) { say(written(found) + kEnd); });
+             } catch (const scenes::BadScene& error) {
+               say(std::string(error.what()) + kError);
+             }
+           }).said;
+  }
+  // The last text that is whole.
+  const std::size_t end = said.find_last_of(std::string{kEnd, kError});
+  if (end == std::string::npos) {
+    known.warnings.emplace_back(left_out);
+    return written(known);
+  }
+  const std::size_t before = end == 0 ? end : said.rfind(kEnd, end - 1);
+  std::string text = said.substr(before == std::string::npos ? 0 : before + 1);
+  text.resize(text.find_first_of(std::string{kEnd, kError}));
+  if (said[end] == kError) throw scenes::BadScene(text);
+  return text;
+}
+
+int check(const std::string& file, const std::vector<std::string>& set, double started,
           const program::Common& common) {
   const std::vector<scenes::SceneChange> changes = options::scene_changes(set);
   if (scenes::Faults faults = scenes::faults_of(file, changes); !faults.first.empty()) {
     throw program::BadScenes(std::move(faults));
   }
-  scenes::Scene scene = scenes::load_scene(file, true, changes);
-  const bool staged = scene.stage.has_value();
-  std::vector<std::string> warnings;
-  try {
-    const auto end = std::chrono::steady_clock::now() + kLooking;
-    const World& world = scene.world;
-    const std::size_t things = world.bodies.size() + world.connectors.size() +
-                               scene.timeline.pins.size() + scene.timeline.cuts.size();
-    if (options::simulation_needs(scene).memory > kLookedAt || things > kThings) {
-      throw TooLong();
-    }
-    scenes::Scene complete = scene;
-    scenes::complete_stage(complete, changes, [&] {
-      render::stop_if_interrupted();
-      if (std::chrono::steady_clock::now() > end) throw TooLong();
-    });
-    scene = std::move(complete);
-    warnings = scenes::warnings_of(scene, std::chrono::duration<double>(kLooking).count(),
-                                   render::stop_if_interrupted);
-    if (auto missed = scenes::choreography_warning(scene, changes)) {
-      warnings.push_back(std::move(*missed));
-    }
-  } catch (const TooLong&) {
-    warnings.emplace_back("too much to simulate for a look at what the camera shows");
-  }
-  render::write_output(common.json ? as_json(scene, staged, warnings, common.threads).dump(2) + '\n'
-                                   : as_text(scene, staged, warnings, common.threads));
+  Known known;
+  known.scene = scenes::load_scene(file, true, changes);
+  known.staged = known.scene.stage.has_value();
+  known.time = time_of_run(known.scene, changes, started);
+  render::write_output(looked_at(known, changes, [&](const Known& found) {
+    return common.json ? as_json(found, common.threads).dump(2) + '\n'
+                       : as_text(found, common.threads);
+  }));
   return program::kDone;
 }
 
@@ -308,8 +379,9 @@ int run(const Options& options, const program::Common& common) {
   if (options.inputs.scenes.empty()) {
     throw program::Misuse("check: expected a scene file, --plans or --schema");
   }
+  const double started = render::process_seconds();
   return options::for_each_scene(options.inputs, common, [&](const std::string& scene) {
-    return check(scene, options.inputs.set, common);
+    return check(scene, options.inputs.set, started, common);
   });
 }
 

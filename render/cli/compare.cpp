@@ -17,7 +17,6 @@
 #include "render/program/note.h"
 #include "render/program/progress.h"
 #include "render/program/terminal.h"
-#include "scenes/load/default_stage.h"
 
 namespace taut::cli {
 namespace compare_command {
@@ -78,8 +77,7 @@ int compare(const program::Common& common, const Options& options) {
   if (options.fps > 0) scene.fps = options.fps;
   if (!options.size.empty())
     std::tie(scene.width, scene.height) = program::picture_size(options.size);
-  scenes::complete_stage(scene, options::scene_changes(options.study.inputs.set),
-                         render::stop_if_interrupted);
+  options::complete_stage(scene, options::scene_changes(options.study.inputs.set), common);
   options::tell_left_out(scene, common);
   if (!options.no_video && (scene.width % 2 || scene.height % 2))
     throw program::Misuse(

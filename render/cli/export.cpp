@@ -22,7 +22,6 @@
 #include "render/program/output.h"
 #include "render/program/progress.h"
 #include "scenes/files/printable.h"
-#include "scenes/load/default_stage.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::cli {
@@ -134,9 +133,7 @@ int run(const Options& options, const program::Common& common) {
   const fs::path folder = fs::path(name).has_parent_path() ? fs::path(name).parent_path() : ".";
   options::refuse_beyond(needs_of(scene, format), scene, options.max_memory,
                          to_output ? "" : folder, "", common.quiet);
-  if (format.stage)
-    scenes::complete_stage(scene, options::chosen_changes(options.method),
-                           render::stop_if_interrupted);
+  if (format.stage) options::complete_stage(scene, options::chosen_changes(options.method), common);
   options::tell_left_out(scene, common);
   if (!common.quiet && scene.stage) tell_textures(*scene.stage);
   if (scene.stage && !options.scenery) scene.stage->scenery.clear();

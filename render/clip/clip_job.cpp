@@ -15,7 +15,6 @@
 #include "render/options/scene_options.h"
 #include "render/program/frame_list.h"
 #include "render/program/note.h"
-#include "scenes/load/default_stage.h"
 #include "sim/motion/hash.h"
 
 namespace taut::clips {
@@ -103,8 +102,7 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
         scene.stage ? options::clip_needs(scene, 0, options.samples, common.threads)
                     : options::simulation_needs(scene);
     options::refuse_beyond({.memory = needs.memory}, scene, options.max_memory, "", kFewer, true);
-    scenes::complete_stage(scene, options::chosen_changes(options.method),
-                           render::stop_if_interrupted);
+    options::complete_stage(scene, options::chosen_changes(options.method), common);
   };
   if (options.method.planned) {
     complete();

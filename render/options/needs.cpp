@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <map>
-#include <utility>
 
 #include "render/base/error.h"
 #include "render/film/render_workers.h"
@@ -26,10 +24,7 @@ namespace fs = std::filesystem;
 constexpr double kProgram = 2e7;       // bytes: libraries, the scene file as it was read
 constexpr double kPart = 3e4;          // bytes
 constexpr double kIsland = 1.5e4;      // bytes: its own world and method
-constexpr double kRead = 5e-5;         // s, of a connector or body: to read it and to set it up
-constexpr double kEvent = 3e-5;        // s, of a pin, release or cut: what it touches is built anew
-constexpr double kPass = 3e-8;         // s, of a particle of its connector: an event passes over it
-constexpr double kFound = 7e-7;        // s, of a part of an island: an event has all found again
+constexpr double kStep = 1e-8;         // s, of a particle's step by the method of the least work
 constexpr double kRoom = 700;          // bytes, for a particle: that of the error's estimate, too
 constexpr double kPathKey = 500;       // bytes, of a key and the section behind it
 constexpr double kColumn = 19;         // bytes of a number in a CSV, mostly
@@ -56,19 +51,10 @@ std::string bytes_text(double bytes) {
   return fmt::format("{:.3g} {}", bytes, kUnits[unit]);
 }
 
-std::string time_text(double seconds) {
-  constexpr double kMinute = 60, kHour = 3600, kDay = 86400, kYear = 365.25 * kDay;
-  if (seconds < kMinute) return fmt::format("{:.2g} s", std::max(seconds, 1e-3));
-  if (seconds < kHour) return fmt::format("{:.0f} min", seconds / kMinute);
-  if (seconds < kDay) return fmt::format("{:.3g} h", seconds / kHour);
-  if (seconds < kYear) return fmt::format("{:.3g} days", seconds / kDay);
-  return fmt::format("{:.3g} years", seconds / kYear);
-}
-
-Footprint footprint_of(const scenes::Scene& scene) {
-  Footprint sum =
-      footprint(*find_method(scene.method.name), scene.world, with_defaults(scene.method));
-  sum.memory += kProgram;
+double memory_needed(const scenes::Scene& scene) {
+  double sum =
+      footprint(*find_method(scene.method.name), scene.world, with_defaults(scene.method)).memory;
+  sum += kProgram;
   // The memory of each part that pins and cuts leave, and of the room made for all beforehand.
   const auto divisions = double(scene.timeline.pins.size() + scene.timeline.cuts.size());
   double particles = divisions;
@@ -76,12 +62,12 @@ Footprint footprint_of(const scenes::Scene& scene) {
     particles += double(connector.particles());
   }
   const std::vector<std::size_t> islands = island_numbers(scene.world, scene.timeline);
-  if (!islands.empty()) sum.memory += kIsland * double(std::ranges::max(islands));
-  sum.memory += kPart * divisions + kRoom * std::min(divisions * particles, kMostRoom);
-  sum.memory += 2.0 * double(scene.timeline.pins.size() * (sizeof(TimedPin) + sizeof(Hold)) +
-                             scene.timeline.cuts.size() * (sizeof(TimedCut) + sizeof(Connector)));
+  if (!islands.empty()) sum += kIsland * double(std::ranges::max(islands));
+  sum += kPart * divisions + kRoom * std::min(divisions * particles, kMostRoom);
+  sum += 2.0 * double(scene.timeline.pins.size() * (sizeof(TimedPin) + sizeof(Hold)) +
+                      scene.timeline.cuts.size() * (sizeof(TimedCut) + sizeof(Connector)));
   const auto add_path = [&](const Path* path) {
-    if (path) sum.memory += kPathKey * double(path->keys().size());
+    if (path) sum += kPathKey * double(path->keys().size());
   };
   for (const Body& body : scene.world.bodies) add_path(body.path.get());
   for (const Connector& connector : scene.world.connectors) {
@@ -179,64 +165,15 @@ double clip_length(const scenes::Scene& scene) {
   return sum;
 }
 
-/// The time (s) of what pins and cuts end, where one of the whole world's steps takes `step`: steps
-/// of their own island (Islands), or of the part of it that those before have left, where a method
-/// that controls its error begins anew. Measured with a thousand to ten thousand on one rope.
-double restarts(const scenes::Scene& scene, double step) {
-  const double restart = steps_per_frame(scene) > 0 ? 1 : 20;
-  const World& world = scene.world;
-  const std::vector<std::size_t> island_of = island_numbers(world, scene.timeline);
-  std::vector<double> particles(world.connectors.size() + 1);  // of each island
-  double all = 0;
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    particles[island_of[c]] += double(world.connectors[c].particles());
-    all += double(world.connectors[c].particles());
-  }
-  std::map<std::pair<std::size_t, double>, double> times;  // by island: parts that are added
-  const auto add = [&](std::size_t connector, double time, double parts) {
-    if (time <= scene.duration) times[{island_of[connector], time}] += parts;
-  };
-  for (const TimedPin& pin : scene.timeline.pins) {
-    add(pin.connector, pin.from, 1);
-    add(pin.connector, pin.until, -1);
-  }
-  for (const TimedCut& cut : scene.timeline.cuts) add(cut.connector, cut.time, 1);
-  const bool parts_go_on = find_method(scene.method.name)->parts_go_on && world.joints.empty() &&
-                           !has_contact(world) && !has_materials(world) && !has_strings(world);
-  double sum = 0, parts = 1;
-  std::size_t last = 0;
-  for (const auto& [when, added] : times) {
-    if (std::exchange(last, when.first) != when.first) parts = 1;
-    sum += step * restart * particles[when.first] / all / (parts_go_on ? parts : 1);
-    if (parts_go_on) sum += kFound * parts;
-    parts += added;
-  }
-  return sum;
-}
-
-/// The time (s) of reading, pins, releases and cuts by themselves.
-double events_time(const scenes::Scene& scene) {
-  const World& world = scene.world;
-  double sum = kRead * double(world.connectors.size() + world.bodies.size());
-  const auto add = [&](std::size_t connector, double time) {
-    if (time > scene.duration) return;
-    sum += kEvent + kPass * double(world.connectors[connector].particles());
-  };
-  for (const TimedPin& pin : scene.timeline.pins) {
-    add(pin.connector, pin.from);
-    add(pin.connector, pin.until);
-  }
-  for (const TimedCut& cut : scene.timeline.cuts) add(cut.connector, cut.time);
-  return sum;
-}
-
 Needs simulation_needs(const scenes::Scene& scene) {
-  const Footprint method = footprint_of(scene);
   const double frames = std::ceil(scene.duration * scene.fps);
   const double row = kColumn * numbers_shown(scene);
   const double steps = frames * std::max(steps_per_frame(scene), 1.0);
-  return {method.memory + 2 * row, frames * row,
-          steps * method.step + restarts(scene, method.step) + events_time(scene)};
+  double particles = 4.0 * double(scene.world.bodies.size());
+  for (const Connector& connector : scene.world.connectors) {
+    particles += double(connector.particles());
+  }
+  return {memory_needed(scene) + 2 * row, frames * row, kStep * steps * particles};
 }
 
 Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int threads) {
@@ -260,15 +197,18 @@ Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int thr
   return needs;
 }
 
-std::string needs_text(const Needs& needs) {
-  return fmt::format("about {} of memory, {} of disk and {}", bytes_text(needs.memory),
-                     bytes_text(needs.disk), time_text(needs.time));
+std::string time_text(double seconds) {
+  constexpr double kMinute = 60, kHour = 3600, kDay = 86400, kYear = 365.25 * kDay;
+  if (seconds < kMinute) return fmt::format("{:.2g} s", std::max(seconds, 1e-3));
+  if (seconds < kHour) return fmt::format("{:.0f} min", seconds / kMinute);
+  if (seconds < kDay) return fmt::format("{:.3g} h", seconds / kHour);
+  if (seconds < kYear) return fmt::format("{:.3g} days", seconds / kDay);
+  return fmt::format("{:.3g} years", seconds / kYear);
 }
 
-nlohmann::ordered_json needs_json(const Needs& needs) {
-  return {{"memory_bytes", std::round(needs.memory)},
-          {"disk_bytes", std::round(needs.disk)},
-          {"time_s", needs.time}};
+std::string space_text(const Needs& needs) {
+  return fmt::format("about {} of memory, {} of disk", bytes_text(needs.memory),
+                     bytes_text(needs.disk));
 }
 
 void add_memory_option(program::Command& command, double& most) {
@@ -296,7 +236,7 @@ void refuse_beyond(const Needs& needs, const scenes::Scene& scene, double most,
     }
   }
   if (!quiet && needs.time > kLong) {
-    program::note("this will take {} or more, by a rough guess\n", time_text(needs.time));
+    program::note("this will take {} or more\n", time_text(needs.time));
   }
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "render/program/command.h"
@@ -14,7 +13,7 @@ namespace taut::options {
 struct Needs {
   double memory = 0;  // bytes
   double disk = 0;    // bytes
-  double time = 0;    // s of one processor; of a method that chooses its steps, one to a frame
+  double time = 0;  // s of one processor, at least: of a method that chooses its steps one a frame
 };
 
 /// Of `taut simulate`; the disk is the CSV's.
@@ -30,9 +29,10 @@ double clip_length(const scenes::Scene& scene);
 /// Steps in a frame; 0 for methods that choose their own.
 double steps_per_frame(const scenes::Scene& scene);
 
-/// As in "about 1.5 GB of memory, 20 MB of disk and 3 min".
-std::string needs_text(const Needs& needs);
-nlohmann::ordered_json needs_json(const Needs& needs);
+/// As in "3 min".
+std::string time_text(double seconds);
+/// As in "about 1.5 GB of memory, 20 MB of disk".
+std::string space_text(const Needs& needs);
 
 /// --max-memory; 0: three quarters of what the machine, or the group of processes, has.
 void add_memory_option(program::Command& command, double& most);

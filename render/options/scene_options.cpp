@@ -5,9 +5,11 @@
 #include <set>
 
 #include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/program/note.h"
 #include "render/program/program.h"
 #include "scenes/files/error.h"
+#include "scenes/load/default_stage.h"
 #include "scenes/load/load_scene.h"
 
 namespace taut::options {
@@ -83,6 +85,12 @@ void tell_left_out(const scenes::Scene& scene, const program::Common& common) {
   for (const std::string& line : scenes::left_out(*scene.stage)) {
     if (told.insert(line).second) program::note("warning: {}\n", line);
   }
+}
+
+void complete_stage(scenes::Scene& scene, const std::vector<scenes::SceneChange>& changes,
+                    const program::Common& common) {
+  const std::string left_out = scenes::complete_stage(scene, changes, render::stop_if_interrupted);
+  if (!left_out.empty() && !common.quiet) program::note("{}\n", left_out);
 }
 
 int for_each_scene(const SceneOptions& options, const program::Common& common,

@@ -38,6 +38,11 @@ void tell_old_keys(const SceneOptions& options, const program::Common& common);
 /// Tells what the files of a scene's models hold that is not drawn, unless the run is quiet; once.
 void tell_left_out(const scenes::Scene& scene, const program::Common& common);
 
+/// scenes::complete_stage(), which can be interrupted; says what is left out unless the run is
+/// quiet.
+void complete_stage(scenes::Scene& scene, const std::vector<scenes::SceneChange>& changes,
+                    const program::Common& common);
+
 /// Runs `work` for each scene, one after another; with --json and several scenes their results are
 /// the elements of one list. A scene that fails does not keep the others from their turn. Returns
 /// the first exit code that is not 0.

@@ -1,5 +1,7 @@
 #include "scenes/load/default_stage.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -18,6 +20,9 @@ constexpr double kAside = 0.3;        // rad, from the square look, so that dept
 constexpr double kRunaway = 10;       // times the size at the start: farther off is not framed
 constexpr double kSmallest = 0.05;    // m, half of what is framed
 constexpr double kHead = 0.15;        // m, of a character around its bones
+/// Of the simulation that finds what to frame, as Counters::cycles has it: a few seconds.
+constexpr double kMostCycles = 1e10;
+constexpr std::size_t kMostPoints = 20'000'000;
 
 using Box = Eigen::AlignedBox3d;
 
@@ -95,15 +100,24 @@ class Seen {
   std::vector<Box> boxes_;
 };
 
-/// The points that the whole clip shows, runaways aside.
-std::vector<Vec3> points_of_clip(const Scene& scene, const std::function<void()>& tick) {
+/// What the clip shows, as far as it was looked at.
+struct Points {
+  std::vector<Vec3> all;  // m, runaways aside
+  int frames = 0;         // of the scene's, from the start
+};
+
+/// The points that the clip shows. What a look may take is counted, not timed, so that all machines
+/// see the same: work of the method and points that are kept.
+Points points_of_clip(const Scene& scene, const std::function<void()>& tick) {
   const Seen seen(scene);
   Simulation simulation = start(scene);
-  std::vector<Vec3> all;
+  Points found;
+  std::vector<Vec3>& all = found.all;
   Box near;
   try {
-    for (int frame = 0; frame < scene.frames(); ++frame) {
+    for (int& frame = found.frames; frame < scene.frames(); ++frame) {
       tick();
+      if (all.size() > kMostPoints || simulation.method().counters().cycles > kMostCycles) break;
       const double time = static_cast<double>(frame) / scene.fps;
       simulation.advance_to(time);
       std::vector<Vec3> points = seen.points(simulation.state());
@@ -123,12 +137,13 @@ std::vector<Vec3> points_of_clip(const Scene& scene, const std::function<void()>
       }
     }
   } catch (const Diverged&) {  // the clip ends there, too
+    found.frames = scene.frames();
   }
   const double range = kRunaway * std::max(near.diagonal().norm() / 2, kSmallest);
   std::erase_if(all, [&](const Vec3& point) {
     return !point.allFinite() || near.exteriorDistance(point) > range;
   });
-  return all;
+  return found;
 }
 
 /// The way to look: level, across the plane in which most happens, from the front.
@@ -259,8 +274,8 @@ std::vector<Outline> outlines(const Scene& scene, const Snapshot& state) {
   return all;
 }
 
-void complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
-                    const std::function<void()>& tick) {
+std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
+                           const std::function<void()>& tick) {
   if (!scene.stage) {
     std::vector<SceneChange> staged = changes;
     staged.push_back({"stage", "{}"});
@@ -272,9 +287,16 @@ void complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
   Document document = read_document(scene.file);
   for (const auto& [key, value] : changes) change(document, key, value);
   const Value* written = document.root.find("stage");
-  if (written && written->find("camera")) return;
-  const std::vector<Vec3> points = points_of_clip(scene, tick);
-  if (points.empty()) return;
+  if (written && written->find("camera")) return {};
+  const auto [points, frames] = points_of_clip(scene, tick);
+  std::string left_out;
+  if (frames < scene.frames()) {
+    left_out = fmt::format(
+        "the camera frames what moves until {:.4g} s: more is too much to simulate for it; "
+        "stage.camera sets another one",
+        static_cast<double>(std::max(frames - 1, 0)) / scene.fps);
+  }
+  if (points.empty()) return left_out;
   const CameraKey camera = framing(points, static_cast<double>(scene.width) / scene.height);
   const Value* shots = written ? written->find("shots") : nullptr;
   stage.camera = {camera};
@@ -284,14 +306,15 @@ void complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
       2 * std::tan(camera.field_of_view / 2) * (camera.position - camera.target).norm();
   find_looks(document, scene, size);
   give_boxes(scene);
-  if (written && written->find("scenery")) return;
+  if (written && written->find("scenery")) return left_out;
   const auto is_plane = [](const Obstacle& o) { return o.shape.kind == Shape::Kind::plane; };
-  if (std::ranges::any_of(scene.world.obstacles, is_plane)) return;
+  if (std::ranges::any_of(scene.world.obstacles, is_plane)) return left_out;
   double thickest = 0;
   for (const ConnectorLook& look : stage.connector_looks)
     thickest = std::max(thickest, look.diameter);
   const double lowest = std::ranges::min(points, {}, [](const Vec3& p) { return p.y(); }).y();
   stage.scenery.push_back(ground_at(lowest - thickest / 2, camera));
+  return left_out;
 }
 
 }  // namespace taut::scenes

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 
@@ -15,11 +14,10 @@
 #include "scenes/scene/view.h"
 #include "sim/choreography/choreography.h"
 #include "sim/choreography/hand_frame.h"
+#include "sim/run/cpu_time.h"
 
 namespace taut::scenes {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double kSamples = 30;       // a second of the scene, at most
 constexpr double kOutOfReach = 0.05;  // m
@@ -58,14 +56,21 @@ bool is_shown(const Scene& scene, const std::vector<const Shot*>& shots, double 
 
 void look_through_camera(const Scene& scene, double seconds, const std::function<void()>& tick,
                          std::vector<std::string>& warnings) {
-  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  const double end = thread_seconds() + seconds;
+  double looked_at = 0;  // s
   std::map<std::string, Sight> sights;
   Simulation simulation = start(scene);
   try {
     for (const auto& [time, shots] : times_of_clip(scene)) {
       tick();
-      if (Clock::now() > end) break;
+      if (thread_seconds() > end) {
+        warnings.push_back(fmt::format(
+            "what the camera shows after {:.4g} s is left out: it takes more than {} s of CPU time",
+            looked_at, seconds));
+        break;
+      }
       simulation.advance_to(time);
+      looked_at = time;
       for (const Outline& thing : outlines(scene, simulation.state())) {
         Sight& sight = sights[thing.name];
         if (is_shown(scene, shots, time, thing)) {

@@ -1,0 +1,29 @@
+// The time that taut simulate takes, measured on a piece of the run.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/scene/scene.h"
+
+namespace taut::cli {
+
+struct RunTime {
+  double seconds = 0;    // of CPU time, of the whole run
+  double simulated = 0;  // s of the scene that were run to find it
+  bool whole = false;    // that is all of the scene
+  /// Too little was run to tell more than that it takes longer.
+  bool at_least = false;
+  std::string unknown;  // why nothing was run; empty: it was
+};
+
+/// Does what taut simulate does with the scene, for about a second of CPU time, in a copy of this
+/// process. The rest of the run is taken to cost what the last part of the piece did. `started` (s)
+/// is the CPU time that it took to start the program. Throws BadScene and Interrupted.
+RunTime time_of_run(const scenes::Scene& scene, const std::vector<scenes::SceneChange>& changes,
+                    double started);
+
+/// As in "9.1 s, if all of it goes like its first 0.41 s".
+std::string text_of(const RunTime& time);
+
+}  // namespace taut::cli
