@@ -23,6 +23,7 @@
 #include "render/report/run_score.h"
 #include "render/study/self_estimate.h"
 #include "scenes/scene/scene.h"
+#include "sim/evaluation/energy_balance.h"
 #include "sim/links/winch_tension.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
@@ -49,7 +50,7 @@ struct Options {
 struct Report {
   double stepping = 0;      // CPU s, in advance() alone
   double stretch = 0;       // largest share of a link's length
-  double drift = 0;         // J, largest distance from the energy at the start
+  double drift = 0;         // J, largest change of energy that no intervention explains
   double energy_scale = 0;  // J
 };
 
@@ -111,7 +112,7 @@ class Rows {
 Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::SelfEstimate& estimate,
                 Rows& rows, bool quiet) {
   const World& world = simulation.world();
-  const double start = energy(world);
+  study::EnergyBalance balance(scene.timeline);
   const int frames = scene.frames();
   Report report;
   report.energy_scale = energy_scale(world);
@@ -128,9 +129,8 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
     }
     report.stepping += cpu_seconds() - before;
     estimate.follow(simulation);
-    const double now = energy(world);
-    report.drift = std::max(report.drift, std::abs(now - start));
-    report.stretch = std::max(report.stretch, stretch_max(world));
+    report.drift = larger(report.drift, std::abs(balance.next(world)));
+    report.stretch = larger(report.stretch, stretch_max(world));
     if (rows.wanted()) rows.write(row(simulation, estimate));
     progress.update(static_cast<std::uint64_t>(frame) + 1);
   }
@@ -160,8 +160,9 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
     json["energy_drift"] = report.drift / report.energy_scale;
   }
   json["energy_drift_is"] =
-      "largest change of the mechanical energy at any frame, as a share of energy_scale; null "
-      "where something driven does work, or dampers or the air take it";
+      "largest change of the mechanical energy at any frame, as a share of energy_scale, since the "
+      "start or the last pin, release or cut, which change it; null where something driven does "
+      "work, or dampers or the air take it";
   json["energy_scale"] = report.energy_scale;
   estimate.add_to(json);
   json["state_hash"] = fmt::format("{:016x}", state_hash(simulation.world()));

@@ -110,7 +110,8 @@ MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& sc
   if (options.step) {
     choice.settings.erase("tolerance");
     choice.settings["step"] = *options.step;
-    if (*options.step > 0) {  // else complaint() says what is wrong with it
+    const bool endless = !step_complaint(choice.settings, scene.duration).empty();
+    if (*options.step > 0 && !endless) {  // else what is wrong with it is said below
       const auto exact = scenes::dividing_step(*options.step, scene.fps);
       if (!exact) {
         throw program::Misuse(fmt::format("--step {}: expected {}", *options.step,
@@ -129,6 +130,8 @@ MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& sc
   }
   const std::string wrong = complaint(*method, choice.settings);
   if (!wrong.empty()) throw program::Misuse(wrong);
+  const std::string endless = step_complaint(choice.settings, scene.duration);
+  if (!endless.empty()) throw program::Misuse("--step: " + endless);
   return choice;
 }
 

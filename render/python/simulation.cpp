@@ -62,6 +62,10 @@ void SimulationObject::advance(double until) {
     throw std::invalid_argument(fmt::format(
         "until {} s: the simulation is at {} s, and goes forward", until, world().time));
   }
+  if (const std::string wrong = step_complaint(method_.settings, until - world().time);
+      !wrong.empty()) {
+    throw std::invalid_argument(wrong);
+  }
   const Turn turn(taken_);
   const py::gil_scoped_release unlocked;
   Signals signals;

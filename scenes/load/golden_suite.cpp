@@ -94,7 +94,7 @@ Kept read_kept(const Document& document, const Value& value, std::string_view ke
   if (kept.frame >= scene.frames())
     document.mismatch(time, fmt::format("a time before the scene's end, {} s", scene.duration));
   const Value* method = value.find("method");
-  kept.method = method ? read_method(document, method, scene.fps) : scene.method;
+  kept.method = method ? read_method(document, method, scene.fps, scene.duration) : scene.method;
   kept.within = number_or(value, "within", distance_between_runs(kept.method));
   return kept;
 }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
 #include <span>
 
 #include "scenes/files/asset_path.h"
@@ -49,6 +50,11 @@ FoundFile find_asset(const Document& document, const Value& value) {
 
 fs::path find_file(const Document& document, const Value& value) {
   return find_asset(document, value).file;
+}
+
+double apart_by_rounding(double length, double largest) {
+  constexpr double kRoundings = 8;  // of a few sums and products
+  return kRounding * length + kRoundings * std::numeric_limits<double>::epsilon() * largest;
 }
 
 double number_or(const Value& table, std::string_view key, double fallback) {

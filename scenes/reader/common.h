@@ -41,6 +41,9 @@ auto with_place(const Document& document, const Value& value, auto&& use) {
 /// of numbers that people type.
 inline constexpr double kRounding = 1e-6;
 
+/// How far (m) such places may be apart where a coordinate is as large as `largest` (m).
+double apart_by_rounding(double length, double largest);
+
 // Members that may be left out.
 double number_or(const Value& table, std::string_view key, double fallback);
 Vec3 vec3_or(const Value& table, std::string_view key, const Vec3& fallback);

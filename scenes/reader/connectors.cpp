@@ -190,6 +190,20 @@ class Layout {
     return hold_motion(world_, *end.to, 0).position;
   }
 
+  /// The largest coordinate (m) that the places of both ends come from.
+  double largest(const End& a, const End& b) const {
+    double most = 0;
+    for (const End* end : {&a, &b}) {
+      if (!end->to) continue;
+      const Attachment& to = *end->to;
+      most = std::max({most, to.point.cwiseAbs().maxCoeff(),
+                       hold_motion(world_, to, 0).position.cwiseAbs().maxCoeff()});
+      if (to.kind != Attachment::Kind::body) continue;
+      most = std::max(most, world_.bodies[to.body].position.cwiseAbs().maxCoeff());
+    }
+    return most;
+  }
+
   /// Gives the connector its shape, and what hangs from it its place. False while neither end is
   /// known.
   bool lay(const Value& value, Connector& connector) {
@@ -227,9 +241,9 @@ class Layout {
     } else if ((from.joined && !first) || (to.joined && !last && !start)) {
       return false;  // what it is joined to has no place yet
     } else if (first) {
-      connector.position = shape(value, connector, *first, last);
+      connector.position = shape(value, connector, *first, last, largest(from, to));
     } else if (last) {
-      connector.position = shape(value, connector, *last, first);
+      connector.position = shape(value, connector, *last, first, largest(from, to));
       std::ranges::reverse(connector.position);
     } else {
       return false;
@@ -301,9 +315,10 @@ class Layout {
     return line;
   }
 
-  /// The shape that starts at `origin`, which is a known end's place; `far` is the other's.
+  /// The shape that starts at `origin`, which is a known end's place; `far` is the other's. No
+  /// coordinate that both come from is beyond `largest` (m).
   std::vector<Vec3> shape(const Value& value, const Connector& connector, const Vec3& origin,
-                          const std::optional<Vec3>& far) const {
+                          const std::optional<Vec3>& far, double largest) const {
     const Value* start = value.find("start");
     if (const Value* along = start ? start->find("direction") : nullptr) {
       return straight(connector, origin, direction(document_, *along));
@@ -315,13 +330,14 @@ class Layout {
     }
     const Vec3 end = hanging ? hanging->vec3() : *far;
     const double apart = (end - origin).norm();
-    if (apart > connector.length * (1 + kRounding)) {
+    const double rounding = apart_by_rounding(connector.length, largest);
+    if (apart > connector.length + rounding) {
       document_.fail(hanging ? *hanging : value,
                      fmt::format("the ends are {:.6g} m apart, expected at most the length, {} m",
                                  apart, connector.length));
     }
     if (connector.model == ConnectorModel::links && connector.links() == 1 && !connector.pulls &&
-        apart < connector.length * (1 - kRounding)) {
+        apart < connector.length - rounding) {
       document_.fail(hanging ? *hanging : value,
                      fmt::format("the ends are {:.6g} m apart, expected the length of the only "
                                  "link, {} m",
@@ -353,7 +369,7 @@ class Layout {
     }
     const Vec3 at = known ? *known : hold_motion(world_, *end.to, 0).position;
     const double apart = (at - particle).norm();
-    if (apart > kRounding * connector.length) {
+    if (apart > apart_by_rounding(connector.length, largest(end, end))) {
       document_.fail(*end.value,
                      fmt::format("holds a point that is {:.6g} m away from where {} ends at the "
                                  "start, expected its place",

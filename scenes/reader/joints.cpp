@@ -119,7 +119,8 @@ void JoinedEnds::join(World& world) const {
                     &other = world.connectors[end.other.connector];
     const double apart =
         (own.position[end.own.particle] - other.position[end.other.particle]).norm();
-    if (apart > kRounding * std::max(own.length, other.length)) {
+    const double largest = other.position[end.other.particle].cwiseAbs().maxCoeff();
+    if (apart > apart_by_rounding(std::max(own.length, other.length), largest)) {
       document_.fail(*end.value,
                      fmt::format("is {:.6g} m away from its place on {} at the start, expected it "
                                  "to begin there",

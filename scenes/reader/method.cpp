@@ -6,7 +6,7 @@
 
 namespace taut::scenes {
 
-MethodChoice read_method(const Document& document, const Value* table, int fps) {
+MethodChoice read_method(const Document& document, const Value* table, int fps, double duration) {
   if (!table) return default_method();
   const Value& name = *table->find("name");
   const MethodInfo& method = *find_method(name.text);
@@ -25,6 +25,8 @@ MethodChoice read_method(const Document& document, const Value* table, int fps) 
     }
   }
   if (const Value* step = table->find("step")) {
+    const std::string wrong = step_complaint(choice.settings, duration);
+    if (!wrong.empty()) document.fail(*step, wrong);
     const auto exact = dividing_step(step->number, fps);
     if (!exact) document.mismatch(*step, dividing_text(step->number, fps));
     choice.settings["step"] = *exact;

@@ -55,7 +55,7 @@ Plan read_plan(const Document& document, const Value& table, int fps) {
   plan.exposures = static_cast<int>(number_or(table, "exposures", 0));
   plan.stamp = hexadecimal(document, *table.find("stamp"));
   plan.program = hexadecimal(document, *table.find("program"));
-  plan.method = read_method(document, table.find("method"), fps);
+  plan.method = read_method(document, table.find("method"), fps, plan.until);
   if (const Value* neglected = table.find("neglected")) {
     for (const Value& name : neglected->children) {
       const auto physics = physics_named(name.text);

@@ -223,7 +223,7 @@ Scene read_scene(Document document, bool with_stage) {
     scene.width = static_cast<int>(size->children[0].number);
     scene.height = static_cast<int>(size->children[1].number);
   }
-  scene.method = read_method(document, root.find("method"), scene.fps);
+  scene.method = read_method(document, root.find("method"), scene.fps, scene.duration);
   scene.world.gravity = vec3_or(root, "gravity", scene.world.gravity);
   scene.world.air = read_air(document);
   Motions motions(document);

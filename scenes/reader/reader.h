@@ -20,7 +20,7 @@ namespace taut::scenes {
 Scene read_scene(Document document, bool with_stage);
 
 /// The method that a table names, with its settings; the default method for null.
-MethodChoice read_method(const Document& document, const Value* table, int fps);
+MethodChoice read_method(const Document& document, const Value* table, int fps, double duration);
 
 /// Fails where a connector that is curved at rest may leave the plane across that.
 void check_curvatures(const Document& document, const World& world, const Timeline& timeline);

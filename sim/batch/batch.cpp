@@ -161,7 +161,12 @@ template <typename Scalar>
 void Batch<Scalar>::check() const {
   for (std::size_t i = 0; i < ends_.size(); ++i) {
     for (std::size_t k = 0; k < links_; ++k) {
-      if (std::isfinite(number(i, batch::kRate, k))) continue;
+      bool finite = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        finite = finite && std::isfinite(number(i, batch::kDirection + c, k)) &&
+                 std::isfinite(number(i, batch::kRate + c, k));
+      }
+      if (finite) continue;
       throw Diverged("batch", time_, 0, "connector " + std::to_string(i), k, "not finite");
     }
   }

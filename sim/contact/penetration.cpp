@@ -1,8 +1,7 @@
 #include "sim/contact/penetration.h"
 
-#include <algorithm>
-
 #include "sim/contact/capsule.h"
+#include "sim/measure/measure.h"
 #include "sim/world/places.h"
 
 namespace taut::contact {
@@ -16,14 +15,14 @@ double penetration_max(const World& world) {
       for (std::size_t i = 0; i < connector.particles(); ++i) {
         if (holds(connector, i)) continue;
         const Vec3& at = connector.position[i];
-        most = std::max(most, -gap(obstacle, frame, at, connector.radius).distance);
+        most = larger(most, -gap(obstacle, frame, at, connector.radius).distance);
       }
     }
     for (const Body& body : world.bodies) {
       const BodyCapsule& own = body.capsule;
       if (body.driven() || !own.touches() || !obstacle.touches(own.category)) continue;
       const Capsule capsule{body.point(own.from), body.point(own.to), own.radius};
-      most = std::max(most, -least_gap(obstacle.shape, frame, capsule));
+      most = larger(most, -least_gap(obstacle.shape, frame, capsule));
     }
   }
   return most;

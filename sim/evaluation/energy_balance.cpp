@@ -25,7 +25,6 @@ EnergyBalance::EnergyBalance(const Timeline& timeline) {
   for (const TimedCut& cut : timeline.cuts) interventions_.push_back({cut.time, cut.time});
 }
 
-/// Whether a pin came, drew or went, or something was cut.
 bool EnergyBalance::intervened(double from, double until) const {
   return std::ranges::any_of(
       interventions_, [&](const Interval& one) { return one.until >= from && one.from <= until; });

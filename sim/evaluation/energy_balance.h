@@ -27,6 +27,10 @@ class EnergyBalance {
   /// the work is in what is left over.
   bool complete() const { return complete_; }
 
+  /// Whether a pin came, drew or went, or something was cut, between two times (s): each may change
+  /// the energy, as mass moves to where a connector is cut.
+  bool intervened(double from, double until) const;
+
  private:
   struct Interval {
     double from = 0, until = 0;  // s
@@ -39,7 +43,6 @@ class EnergyBalance {
   };
   std::vector<Part> parts(const World& world);
   double work(const World& world, const Part& before, const Part& after, double from);
-  bool intervened(double from, double until) const;
 
   Division division_;
   std::vector<Interval> interventions_;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/contact/penetration.h"
+#include "sim/evaluation/energy_balance.h"
 #include "sim/measure/measure.h"
 
 namespace taut::study {
@@ -58,10 +60,14 @@ std::vector<double> frame_times(double duration, int fps) {
 
 Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
         const std::function<void()>& tick) {
+  const double until = problem.times.empty() ? 0 : problem.times.back();
+  const std::string wrong = step_complaint(candidate.settings, until - problem.world.time);
+  if (!wrong.empty()) throw std::invalid_argument(wrong);
   Simulation simulation(problem.world, make_method(candidate.name, candidate.settings),
                         problem.timeline);
   Slices slices(candidate.settings, cpu_cap, tick);
-  const double at_start = energy(problem.world);
+  const EnergyBalance balance(problem.timeline);
+  double level = energy(problem.world), before = problem.world.time;
   Run result;
   result.reached = problem.world.time;
   try {
@@ -71,7 +77,10 @@ Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
         result.reason = text_of(Run::End::over_cap);
         break;
       }
-      const double gained = energy(std::as_const(simulation).world()) - at_start;
+      const double now = energy(std::as_const(simulation).world());
+      if (balance.intervened(before, time)) level = now;
+      before = time;
+      const double gained = now - level;
       const double stretch = stretch_max(std::as_const(simulation).world());
       if (!std::isfinite(gained) || !std::isfinite(stretch)) {
         result.end = Run::End::diverged;

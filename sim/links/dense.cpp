@@ -24,10 +24,17 @@ Eigen::MatrixXd LeastSquares::solve(const Eigen::MatrixXd& right) const {
 
 void LinearSystem::compute(const Eigen::MatrixXd& matrix) {
   decomposed_.compute(matrix);
+  const auto pivots = decomposed_.matrixLU().diagonal().cwiseAbs();
+  is_singular_ = pivots.size() > 0 && !(pivots.minCoeff() > kDependent * pivots.maxCoeff());
+  if (is_singular_) dependent_.compute(matrix);
 }
 
 void LinearSystem::solve(const Eigen::VectorXd& right, Eigen::VectorXd& x) const {
-  x = decomposed_.solve(right);
+  if (is_singular_) {
+    x = dependent_.solve(right);
+  } else {
+    x = decomposed_.solve(right);
+  }
 }
 
 }  // namespace taut

@@ -21,15 +21,22 @@ class LeastSquares {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposed_;
 };
 
-/// Solutions of square systems that are far from singular. Allocates nothing for a system of a size
-/// that it has had.
+/// Solutions of square systems; of one that is singular, as rows that depend on each other make it,
+/// the solution of least norm among those that come closest. Allocates nothing for a regular system
+/// of a size that it has had.
 class LinearSystem {
  public:
   void compute(const Eigen::MatrixXd& matrix);
   void solve(const Eigen::VectorXd& right, Eigen::VectorXd& x) const;
 
  private:
+  /// The share of the largest pivot below which one is rounding, or what a stage of an integrator
+  /// leaves of a dependence: the square of how far it is off.
+  static constexpr double kDependent = 1e-10;
+
   Eigen::PartialPivLU<Eigen::MatrixXd> decomposed_;
+  bool is_singular_ = false;
+  LeastSquares dependent_{kDependent};
 };
 
 }  // namespace taut

@@ -173,7 +173,7 @@ double stretch_max(const World& world) {
       const double length = (connector.position[k + 1] - connector.position[k]).norm();
       const double rest = connector.rest[k];
       const double longer = rest > 0 ? length / rest - 1 : length;
-      most = std::max(most, connector.pulls ? longer : std::abs(longer));
+      most = larger(most, connector.pulls ? longer : std::abs(longer));
     }
   }
   return most;
@@ -187,9 +187,9 @@ double moving_mass(const World& world) {
 }
 
 double length_scale(const World& world) {
-  double length = 0;
-  for (const Connector& connector : world.connectors) length = std::max(length, connector.length);
-  if (length > 0) return length;
+  constexpr double kShort = 1e-3;
+  double longest = 0, length = 0;
+  for (const Connector& connector : world.connectors) longest = std::max(longest, connector.length);
   // The mean square of the distances from the centre is half the inertia's trace over the mass.
   each_free_body(world, [&](const Body& body) {
     const MassProperties& m = body.mass_properties;
@@ -205,7 +205,7 @@ double length_scale(const World& world) {
       }
     }
   }
-  return length;
+  return longest > kShort * length ? longest : length;
 }
 
 double energy_scale(const World& world) {

@@ -18,14 +18,19 @@ double energy(const World& world);
 Vec3 linear_momentum(const World& world);
 /// Angular momentum about `about` of everything that moves freely, kg m^2/s.
 Vec3 angular_momentum(const World& world, const Vec3& about = Vec3::Zero());
+/// The larger of two numbers, and nan where one is: std::max() may hide it.
+inline double larger(double a, double b) {
+  return b > a || b != b ? b : a;
+}
+
 /// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m); of
 /// strings, which may be shorter, without the bars.
 double stretch_max(const World& world);
 
 /// The mass of everything that moves freely, kg.
 double moving_mass(const World& world);
-/// The length of the longest connector; where all are joints, the largest RMS distance of a free
-/// body's mass from what holds it, or from its centre of mass, m.
+/// The length of the longest connector; where that is 0 or less than a thousandth of it, the
+/// largest RMS distance of a free body's mass from what holds it, or from its centre of mass, m.
 double length_scale(const World& world);
 /// An energy to compare changes with: that of lifting everything that moves freely by the length
 /// scale, and its present motion, J.

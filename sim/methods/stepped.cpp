@@ -33,6 +33,10 @@ void SteppedMethod::advance(World& world, double until) {
       limit_ = prepare(mechanism_, world);
     }
   }
+  if (!(step_ > 0) && !((until - world.time) / limit_ <= kMostRunSteps)) {
+    throw Diverged(name_, world.time, counters_.steps, world.connectors.front().name, 0,
+                   "the longest step that is stable is too short for a run");
+  }
   const StepTimes times(world.time, until, step_ > 0 ? step_ : limit_);
   for (std::uint64_t i = 0; i < times.count; ++i) {
     check_stop();

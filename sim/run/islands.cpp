@@ -104,6 +104,7 @@ std::unique_ptr<Islands> Islands::find(const World& world, const Timeline& timel
   const Island& rest = found->islands_[0];
   if (rest.connectors.empty() && rest.bodies.empty() && found->islands_.size() == 2) return nullptr;
   found->again_ = method.again;
+  found->called = method.called;
   for (Island& island : found->islands_) found->take(world, island);
   found->topology_ = world.topology;
   return found;
@@ -188,11 +189,9 @@ void Islands::settle(const World& whole) {
 }
 
 void Islands::add(const Counters& before, const Counters& after) {
-  counters_.steps += after.steps - before.steps;
-  counters_.solves += after.solves - before.solves;
-  counters_.rejected += after.rejected - before.rejected;
-  counters_.handed_over += after.handed_over - before.handed_over;
-  counters_.cycles += after.cycles - before.cycles;
+  Counters done = after;
+  done -= before;
+  counters_ += done;
 }
 
 void Islands::advance(Island& island, World& whole, double until,

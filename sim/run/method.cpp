@@ -58,7 +58,7 @@ std::string refusal(const MethodInfo& method, const World& world) {
   if (!method.touches_beside_more && touches_beside_more(world, method.damps_beside_contact)) {
     return kNoMoreBesideContact;
   }
-  return {};
+  return method.refuses ? method.refuses(world) : "";
 }
 
 bool follows(const MethodInfo& method, const World& world) {
@@ -163,7 +163,12 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
   wrong = complaint(*info, settings);
   if (!wrong.empty()) throw std::invalid_argument(wrong);
   auto method = info->make(with_defaults(*info, settings));
-  method->again = [info, full = with_defaults(*info, settings)] { return info->make(full); };
+  method->called = name;
+  method->again = [info, full = with_defaults(*info, settings)] {
+    auto another = info->make(full);
+    another->called = info->name;
+    return another;
+  };
   return method;
 }
 
@@ -273,6 +278,32 @@ bool has_laden_materials(const World& world) {
   });
 }
 
+bool has_hinges(const World& world) {
+  return std::ranges::any_of(world.connectors, [&](const Connector& connector) {
+    const auto carried = [&](const Hold& hold) { return !is_prescribed(world, hold.to); };
+    return connector.length == 0 && connector.model == ConnectorModel::links &&
+           std::ranges::any_of(connector.holds, carried);
+  });
+}
+
+Counters& Counters::operator+=(const Counters& other) {
+  steps += other.steps;
+  solves += other.solves;
+  rejected += other.rejected;
+  handed_over += other.handed_over;
+  cycles += other.cycles;
+  return *this;
+}
+
+Counters& Counters::operator-=(const Counters& other) {
+  steps -= other.steps;
+  solves -= other.solves;
+  rejected -= other.rejected;
+  handed_over -= other.handed_over;
+  cycles -= other.cycles;
+  return *this;
+}
+
 Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,
                    std::string connector_name, std::size_t link_index, std::string what)
     : std::runtime_error([&] {
@@ -282,10 +313,26 @@ Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number
         return line.str();
       }()),
       method(std::move(method_name)),
+      reason(std::move(what)),
       time(at),
       step(step_number),
       connector(std::move(connector_name)),
       link(link_index) {}
+
+Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number, const Body& body,
+                   const std::string& what)
+    : std::runtime_error([&] {
+        std::ostringstream line;
+        line << method_name << ": " << what << " at " << at << " s (step " << step_number
+             << "), body " << body.name;
+        return line.str();
+      }()),
+      method(std::move(method_name)),
+      reason(what),
+      time(at),
+      step(step_number),
+      connector(body.name),
+      link(0) {}
 
 namespace {
 
@@ -299,11 +346,24 @@ double whole(double ratio) {
   return std::abs(ratio - nearest) <= kWhole * std::max(1.0, nearest * 1e-3) ? nearest : -1;
 }
 
+std::string too_many_steps(double step, double duration) {
+  std::ostringstream line;
+  line << "step is " << step << ", expected at least " << duration / kMostRunSteps << ": "
+       << duration << " s would take more than " << kMostRunSteps << " steps";
+  return line.str();
+}
+
 }  // namespace
+
+std::string step_complaint(const Settings& settings, double duration) {
+  const double step = step_of(settings);
+  return step > 0 && duration / step > kMostRunSteps ? too_many_steps(step, duration) : "";
+}
 
 std::uint64_t step_count(double interval, double step) {
   if (!(interval > 0)) return 0;
   const double ratio = interval / step;
+  if (!(ratio <= kMostRunSteps)) throw std::invalid_argument(too_many_steps(step, interval));
   const double exact = whole(ratio);
   return static_cast<std::uint64_t>(std::max(1.0, exact >= 0 ? exact : std::ceil(ratio)));
 }

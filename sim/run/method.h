@@ -47,6 +47,9 @@ struct Counters {
   /// multiplications a cycle where none waits for another, four cycles each where they do; five and
   /// fifteen for a division or a root.
   double cycles = 0;
+
+  Counters& operator+=(const Counters& other);
+  Counters& operator-=(const Counters& other);
 };
 
 /// Something that an observer can see in a span.
@@ -64,7 +67,10 @@ class Diverged : public std::runtime_error {
  public:
   Diverged(std::string method, double time, std::uint64_t step, std::string connector,
            std::size_t link, std::string what);
-  std::string method;
+  /// Of a body, which stands in `connector` then.
+  Diverged(std::string method, double time, std::uint64_t step, const Body& body,
+           const std::string& what);
+  std::string method, reason;
   double time;         // s
   std::uint64_t step;  // counted from the start of the simulation
   std::string connector;
@@ -99,6 +105,8 @@ class Method {
   /// The same events, which the method forgets.
   std::vector<Event> take_events() { return std::exchange(events_, {}); }
 
+  /// As make_method() was asked for it.
+  std::string called = "method";
   /// Makes another one with the same settings, where who made this one has said how.
   std::function<std::unique_ptr<Method>()> again;
 
@@ -180,6 +188,9 @@ struct MethodInfo {
   /// Interventions on a part of a connector, between two holds, leave its other parts to their own
   /// steps, where they are rigid links and touch nothing (Method::advance_near()).
   bool parts_go_on = false;
+  /// Why it does not follow features of a world that it follows one by one, as in "follows no
+  /// joined connectors beside links that only pull", or empty. Null: it follows them together.
+  std::string (*refuses)(const World& world) = nullptr;
   /// The companion of a run with a full set of settings, coarser or finer, so that ErrorEstimate
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
@@ -251,6 +262,8 @@ void refuse_pulleys(std::string_view method, const World& world);
 inline constexpr const char* kRunThrough = "the rope has run through its pulley";
 /// Whether a free body is on a connector that stretches, bends or meets the air.
 bool has_laden_materials(const World& world);
+/// Whether a connector of length 0, a hinge, is on a free body.
+bool has_hinges(const World& world);
 
 // Typed access for the methods' own code; the setting must exist.
 double number(const Settings& settings, std::string_view name);
@@ -265,7 +278,15 @@ double step_of(const Settings& settings);
 /// in its step, lets it choose by what limits it.
 SettingInfo step_setting(bool limited, int sweep);
 
+/// The most steps that a run may take: so many are hours of the cheapest ones.
+inline constexpr double kMostRunSteps = 1e10;
+
+/// Why a run of so many seconds cannot take the step of `settings`, or empty: it would take more
+/// than kMostRunSteps.
+std::string step_complaint(const Settings& settings, double duration);
+
 /// How many equal steps of at most `step` (s) fill `interval` (s); exact where step divides it.
+/// Throws std::invalid_argument where they are more than kMostRunSteps.
 std::uint64_t step_count(double interval, double step);
 
 /// The times of the steps that take a world from `from` to `until`. Where both are whole multiples

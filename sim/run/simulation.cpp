@@ -93,6 +93,27 @@ void Simulation::follow_timeline(double time) {
   }
   if (time > world_.time || left_behind_ || (islands_ && islands_->left_behind())) catch_up(time);
   bodies_as_links_.follow(world_);
+  refuse_not_finite();
+}
+
+/// Every state that a method hands out passes here.
+void Simulation::refuse_not_finite() const {
+  constexpr const char* kWhat = "the state is not finite";
+  const std::uint64_t steps = method_->counters().steps;
+  for (const Connector& connector : world_.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (connector.position[i].allFinite() && connector.velocity[i].allFinite()) continue;
+      throw Diverged(method_->called, world_.time, steps, connector.name,
+                     std::min(i, connector.links() - 1), kWhat);
+    }
+  }
+  for (const Body& body : world_.bodies) {
+    if (body.position.allFinite() && body.velocity.allFinite() && body.spin.allFinite() &&
+        body.rotation.coeffs().allFinite()) {
+      continue;
+    }
+    throw Diverged(method_->called, world_.time, steps, body, kWhat);
+  }
 }
 
 void Simulation::go_on_from(const World& world) {

@@ -196,12 +196,7 @@ Counters Contacts::counters() const {
   for (const auto& group : groups_) {
     for (const auto* method : {&group->links, &group->shown_links}) {
       if (!*method) continue;
-      const Counters& links = (*method)->counters();
-      sum.steps += links.steps;
-      sum.solves += links.solves;
-      sum.rejected += links.rejected;
-      sum.handed_over += links.handed_over;
-      sum.cycles += links.cycles;
+      sum += (*method)->counters();
     }
   }
   return sum;

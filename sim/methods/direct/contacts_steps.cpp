@@ -141,7 +141,7 @@ double Contacts::attempt(ContactStep& step, double time, double h, double slippe
 /// Whether a step of h (s) that went so far has to be a shorter one.
 bool Contacts::fails(const Group& group, double gone, double h) const {
   const ContactStep& step = group.step;
-  if (gone == 0 || step.turn() > kTurn) return true;
+  if (gone == 0 || !(step.turn() <= kTurn)) return true;
   if (options_.step > 0 || !(h > kFinest * group.first)) return false;
   return step.error(kLowest * options_.tolerance) > 8 * kErrorShare * options_.tolerance * gone ||
          step.gained() * kGain > options_.tolerance;

@@ -27,9 +27,11 @@ class Direct : public Method {
     if (!built_ || topology_ != world.topology) {
       refuse_more_beside_contact("direct", world, /*but_damping=*/true);
     }
+    if (options_.step > 0) step_count(until - world.time, options_.step);  // throws
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
       if (has_contact(world)) return advance_contacts(world, until);
-      if (!world.joints.empty() || has_winches(world) || has_laden_materials(world)) {
+      if (!world.joints.empty() || has_winches(world) || has_laden_materials(world) ||
+          (has_hinges(world) && !has_strings(world) && !has_spans(world))) {
         return advance_joined(world, until);
       }
       if (has_materials(world)) return advance_materials(world, until);
@@ -37,17 +39,20 @@ class Direct : public Method {
       if (has_spans(world)) return advance_spans(world, until);
     }
     prepare(world);
+    counting_ = nullptr;
     advance_all_parts(world, until);
   }
 
   bool advance_near(World& world, double until, std::span<const Parts::Place> places) override {
     const bool in_parts =
-        left_behind_ || (world.joints.empty() && !has_winches(world) && !has_materials(world) &&
-                         !has_contact(world) && !has_spans(world) && !has_strings(world));
+        left_behind_ ||
+        (world.joints.empty() && !has_winches(world) && !has_materials(world) &&
+         !has_contact(world) && !has_spans(world) && !has_strings(world) && !has_hinges(world));
     if (!in_parts) {
       advance(world, until);
       return false;
     }
+    counting_ = nullptr;
     prepare(world);
     if (!parts_.mark(world, places)) {
       advance_all_parts(world, until);
@@ -130,6 +135,15 @@ class Direct : public Method {
     }
   }
 
+  void store_part(World& world, std::size_t index) {
+    Integrator& part = *parts_.all()[index];
+    try {
+      part.store(world);
+    } catch (const Integrator::StepTooSmall& stop) {
+      throw stopped(world, part.component(), stop.time);
+    }
+  }
+
   Diverged stopped(const World& world, const Component& part, double time) const {
     const std::string why = direct::full_length(world, part, time);
     return Diverged("direct", time, counters_.steps,
@@ -153,8 +167,7 @@ class Direct : public Method {
       topology_ = world.topology;
       contacts_->prepare(world);
     }
-    contacts_->advance(world, until);
-    counters_ = contacts_->counters();
+    count_on(*contacts_, [&] { contacts_->advance(world, until); });
   }
 
   void advance_materials(World& world, double until) {
@@ -167,14 +180,12 @@ class Direct : public Method {
       topology_ = world.topology;
       elastic_->prepare(world);
     }
-    elastic_->advance(world, until);
-    counters_ = elastic_->counters();
+    count_on(*elastic_, [&] { elastic_->advance(world, until); });
   }
 
   void advance_joined(World& world, double until) {
     if (!joined_) joined_ = std::make_unique<direct::Joined>(options_);
-    joined_->advance(world, until);
-    counters_ = joined_->counters();
+    count_on(*joined_, [&] { joined_->advance(world, until); });
   }
 
   void advance_spans(World& world, double until) {
@@ -184,9 +195,31 @@ class Direct : public Method {
       topology_ = world.topology;
       spans_->prepare(world);
     }
-    spans_->advance(world, until, events_);
-    counters_ = spans_->counters();
+    count_on(*spans_, [&] { spans_->advance(world, until, events_); });
     refuse_led_away(world);
+  }
+
+  /// Lets an integrator work, which counts from its own start, and counts on from what others did.
+  template <typename Own, typename Work>
+  void count_on(const Own& own, const Work& work) {
+    if (counting_ != &own) {
+      counted_ = counters_;
+      counted_ -= own.counters();
+      counting_ = &own;
+    }
+    const auto sum = [&] {
+      counters_ = counted_;
+      counters_ += own.counters();
+    };
+    try {
+      work();
+    } catch (const Diverged& error) {
+      sum();
+      if (counted_.steps == 0) throw;
+      throw Diverged(error.method, error.time, error.step + counted_.steps, error.connector,
+                     error.link, error.reason);
+    }
+    sum();
   }
 
   void refuse_led_away(const World& world) const {
@@ -241,7 +274,9 @@ class Direct : public Method {
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
   std::unique_ptr<direct::Contacts> contacts_;  // where something touches, or strings are
   std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
-  std::unique_ptr<direct::Joined> joined_;      // where connectors are joined
+  std::unique_ptr<direct::Joined> joined_;      // where connectors are joined, and at hinges
+  const void* counting_ = nullptr;              // of these, the one that was at work last
+  Counters counted_;                            // by others than that one
   std::vector<double> noted_;                   // the world as advance() left it
 };
 
@@ -272,6 +307,17 @@ std::vector<bool> stepped_as_links(const World& world) {
     for (const std::size_t body : part.bodies) as_links[body] = true;
   }
   return as_links;
+}
+
+/// Of what advance() would throw Diverged for.
+std::string no_combination(const World& world) {
+  const bool strings = has_strings(world);
+  if (!world.joints.empty() && strings) return "follows no joined connectors beside strings";
+  if (!has_spans(world)) return {};
+  if (!world.joints.empty()) return "follows no joined connectors beside massless spans";
+  if (has_hinges(world)) return "follows no connectors of length 0 beside massless spans";
+  if (has_contact(world)) return "follows no massless spans beside what touches";
+  return strings ? "follows no massless spans beside strings" : "";
 }
 
 }  // namespace
@@ -315,6 +361,7 @@ MethodInfo direct_method() {
       .follows_winches = true,
       .follows_pulleys = true,
       .parts_go_on = true,
+      .refuses = no_combination,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)

@@ -172,10 +172,7 @@ void Elastic::give_up(Part& part) const {
 
 Counters Elastic::counters() const {
   Counters sum = rest_method_->counters();
-  sum.steps += counters_.steps;
-  sum.solves += counters_.solves;
-  sum.rejected += counters_.rejected;
-  sum.cycles += counters_.cycles;
+  sum += counters_;
   return sum;
 }
 

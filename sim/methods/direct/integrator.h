@@ -94,6 +94,7 @@ class Integrator {
   void advance_by_tolerance(World& world, double until, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
   bool is_before(double until);
+  void watch_steps();
   double first_step() const;
   bool is_lost(Scheme scheme, double h) const;
   void refresh(Counters& counters);
@@ -140,6 +141,8 @@ class Integrator {
   Scheme scheme_ = dop853;          // for the next step
   double step_ = 0;                 // s, what its error allows; zero: not known yet
   double longest_ = 0;              // s, what driven ends allow
+  double watched_ = 0;              // s, from which on steps are counted
+  int short_ = 0;                   // how many there were since
   double last_turn_ = 0;            // rad, of the highest waves in DOP853's last step
   std::array<Rest, kSchemes> rests_;
   std::array<bool, kSchemes> tries_{};

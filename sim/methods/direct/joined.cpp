@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kFirst = 0.1;        // of the shortest link's swing: the first step
 constexpr double kLeastStep = 1e-12;  // s
-constexpr double kBriefTime = 1e-4;   // s, in which more steps than these lead nowhere
-constexpr int kMostSteps = 3000;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 Eigen::Map<const Vec3> part(const std::vector<double>& state, std::size_t at) {
@@ -266,7 +264,8 @@ void Joined::follow(const World& world, double until) {
   brief_ = time_;
   short_ = 0;
   const double first = kFirst * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
-  if (step_ == 0) step_ = first;
+  const bool fixed = options_.step > 0;
+  if (step_ == 0) step_ = fixed ? options_.step : first;
   double from_change = distance_to_change(time_, state_);
   while (time_ < until) {
     find_slope(time_, state_, slope_[0]);
@@ -274,14 +273,14 @@ void Joined::follow(const World& world, double until) {
     double change = kNever;  // s, from here to where rope begins to slide, or stops
     for (bool taken = false; !taken;) {
       check_stop();
-      const double wish = std::min(options_.step > 0 ? options_.step : step_, stable);
+      const double wish = std::min(step_, stable);
       const double left = until - time_;
       const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
       const double h = std::min(change, lands(left, wish) ? left / count : wish);
       const double error = attempt(time_, h), limit = allowed_error(h);
       const auto run_through =
           error <= limit ? mechanism_.run_through(time_ + h, next_.data()) : std::nullopt;
-      if (run_through && h < kBriefTime && time_ + h <= until) {
+      if (run_through && h < kConstants.brief && time_ + h <= until) {
         throw Diverged("direct", time_, counters_.steps, world.connectors[*run_through].name, 0,
                        kRunThrough);
       }
@@ -307,14 +306,19 @@ void Joined::follow(const World& world, double until) {
           from_change = distance_to_change(time_, state_);
         }
         mechanism_.follow(time_, state_);
-        if (time_ - brief_ > kBriefTime) {
+        if (time_ - brief_ > kConstants.brief) {
           brief_ = time_;
           short_ = 0;
         }
-        if (++short_ > kMostSteps) give_up(world, time_);
+        if (++short_ > kConstants.most_steps && !(fixed && h == options_.step))
+          give_up(world, time_);
         // A step that was cut to end at `until` says nothing against the longer one.
         const double next = h * std::min(ratio, kConstants.most_change);
-        if (ratio < 1 || next > step_) step_ = next;
+        if (fixed) {  // one that was refused is done in shorter ones
+          step_ = std::min(options_.step, std::max(step_, next));
+        } else if (ratio < 1 || next > step_) {
+          step_ = next;
+        }
       } else {
         ++counters_.rejected;
         step_ = h * (error <= limit || !(ratio > 0) ? 0.25 : std::clamp(ratio, 0.1, 0.9));

@@ -11,6 +11,9 @@ constexpr double kSampling = 1.0 / 512;  // s, between two checks of what change
 constexpr double kLocated = 1e-10;       // s, within which the moment of a change is known
 constexpr double kLeastSlack = 1e-9;     // of its length: a span with less is laid straight
 constexpr double kTooLong = 1e-12;       // of its length: a slack span so much longer goes taut
+/// A span that goes taut or slack more often than that in so short a time does so without end.
+constexpr double kBrief = 1e-6;  // s
+constexpr int kMostChanges = 50;
 /// Ends that meet their span's length again within this time (s) are not thrown back again.
 constexpr double kShortestFlight = 1e-4;
 
@@ -265,6 +268,17 @@ bool Spans::rebounds(Tie& tie, std::vector<Event>& events) {
   return true;
 }
 
+void Spans::watch_changes(const World& world, Tie& tie) const {
+  if (inner_.time - tie.watched > kBrief) {
+    tie.watched = inner_.time;
+    tie.changes = 0;
+  }
+  if (++tie.changes <= kMostChanges) return;
+  const Span& span = spans_[tie.span];
+  throw Diverged("direct", inner_.time, counters().steps, world.connectors[span.connector].name,
+                 span.a.particle, "a span goes taut and slack in turn without end");
+}
+
 void Spans::advance(World& world, double until, std::vector<Event>& events) {
   read(world);
   while (inner_.time < until) {
@@ -281,6 +295,7 @@ void Spans::advance(World& world, double until, std::vector<Event>& events) {
       }
       span.taut = !span.taut;
       changed = true;
+      watch_changes(world, tie);
     }
     if (changed) connect();
   }

@@ -17,10 +17,10 @@ namespace taut::direct {
 /// Follows a world some of whose connectors are massless spans, by a method that follows links.
 /// The method sees a world of its own, in which a taut span is a link without mass between its two
 /// ends and a slack one is absent; a point mass at an end is a body that nothing turns. Changes are
-/// found between two checks and located in time: a slack span whose ends part beyond its length goes
-/// taut, a taut one whose tension turns negative goes slack. Going taut, the ends are thrown back
-/// with the connector's restitution; where that is none, or they were thrown back just before, the
-/// link takes their speed of separation away, which keeps all momenta.
+/// found between two checks and located in time: a slack span whose ends part beyond its length
+/// goes taut, a taut one whose tension turns negative goes slack. Going taut, the ends are thrown
+/// back with the connector's restitution; where that is none, or they were thrown back just before,
+/// the link takes their speed of separation away, which keeps all momenta.
 class Spans {
  public:
   /// `links` follows everything but spans.
@@ -48,6 +48,8 @@ class Spans {
     std::size_t system = kNone;  // index into systems_, while it is taut and something can move
     std::size_t link = 0;        // of that system
     double thrown_back = -std::numeric_limits<double>::infinity();  // s, when its ends last were
+    double watched = thrown_back;  // s, from which on its changes are counted
+    int changes = 0;
   };
   /// The tensions of one component of the inner world.
   struct Tensions {
@@ -69,6 +71,7 @@ class Spans {
   bool breaks();
   void advance_to_break(double until);
   bool rebounds(Tie& tie, std::vector<Event>& events);
+  void watch_changes(const World& world, Tie& tie) const;
 
   std::unique_ptr<Method> links_;
   World inner_, before_;

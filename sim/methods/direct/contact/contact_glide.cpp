@@ -4,6 +4,7 @@
 
 #include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
+#include "sim/measure/measure.h"
 #include "sim/methods/direct/contact/contact_step.h"
 #include "sim/motion/stop.h"
 
@@ -148,9 +149,9 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
     if (jams_) return false;
     double worst = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      worst = std::max(worst, wrong(r, change_[r]) - noise_[rows[r].a] - noise_[rows[r].b]);
+      worst = larger(worst, wrong(r, change_[r]) - noise_[rows[r].a] - noise_[rows[r].b]);
     }
-    worst = std::max({worst, links_.error(noise_), beads_.error(noise_)});
+    worst = larger(larger(worst, links_.error(noise_)), beads_.error(noise_));
     if (!std::isfinite(worst)) return false;
     // Rows that others determine already keep what roundings left of their errors.
     if (worst * h <= exact_ || (worst * h < touching_ && worst > before / 2)) return sticks();
@@ -243,15 +244,15 @@ double ContactStep::residual(double h) const {
       {bodies_.residual(next_, mechanism_), links_.residual(), beads_.residual(mechanism_, next_)});
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     const Vec3 off = position(state_, p) + h * mean_[p] - position(next_, p);
-    worst = std::max(worst, off.lpNorm<Eigen::Infinity>() - h * noise_[p]);
+    for (const double apart : off) worst = larger(worst, std::abs(apart) - h * noise_[p]);
   }
   for (const BeadTouch& at : touches_) {
     const double apart = at.touch.push > 0 ? std::abs(at.gap) : -at.gap;
-    worst = std::max(worst, apart - h * noise_[at.point]);
+    worst = larger(worst, apart - h * noise_[at.point]);
   }
   for (std::size_t r = 0; r < rest_.size(); ++r) {
     const Row& row = mechanism_.rows()[r];
-    worst = std::max(worst, wrong(r, rest_[r]) - h * (noise_[row.a] + noise_[row.b]));
+    worst = larger(worst, wrong(r, rest_[r]) - h * (noise_[row.a] + noise_[row.b]));
   }
   return worst;
 }

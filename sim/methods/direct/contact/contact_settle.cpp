@@ -6,6 +6,7 @@
 #include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
 #include "sim/contact/restitution.h"
+#include "sim/measure/measure.h"
 #include "sim/methods/direct/contact/contact_step.h"
 #include "sim/methods/direct/contact/entry.h"
 #include "sim/motion/stop.h"
@@ -305,9 +306,9 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     double worst = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double noise = noise_[rows[r].a] + noise_[rows[r].b];
-      worst = std::max(worst, wrong(r, change_[r]) - noise);
+      worst = larger(worst, wrong(r, change_[r]) - noise);
     }
-    worst = std::max({worst, links_.error(noise_), beads_.error(noise_)});
+    worst = larger(larger(worst, links_.error(noise_)), beads_.error(noise_));
     if (!std::isfinite(worst)) return false;
     // Where states go to and fro within rounding, what is left does no harm.
     if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) return sticks();

@@ -259,7 +259,7 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
         links_.possible() && !links_.hits(body_step(time, h), next_, mean_).empty();
     const bool meets = beads_.possible() && !beads_.hits(body_step(time, h), next_, mean_).empty();
     if (!enters && !snaps && !hits && !crosses && !meets) {
-      if (!settle(time, h, least)) return 0;
+      if (!settle(time, h, least) || !is_finite()) return 0;
       const bool changes = hits_ || last_hits_ || pattern() != last_pattern_;
       const bool touches = !touches_.empty() || couples();
       const EnergyChange change = changes || touches ? energy_change() : EnergyChange();
@@ -271,6 +271,11 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
     located_ = take_hits(locates, h) || arrives;
   }
   return 0;
+}
+
+/// Whether the state after the step is; bodies without rows have no other check.
+bool ContactStep::is_finite() const {
+  return std::ranges::all_of(next_, [](double value) { return std::isfinite(value); });
 }
 
 /// m/s, the most by which the length of a link changes that may not.

@@ -112,6 +112,7 @@ class ContactStep {
   };
   using TouchRange = std::span<BeadTouch>;
 
+  bool is_finite() const;
   double separation_speed(double time);
   bool is_driven() const;
   EnergyChange energy_change() const;

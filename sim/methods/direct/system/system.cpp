@@ -97,6 +97,8 @@ void System::couple() {
 
 /// Bodies that several links hold add E Q E' to the tridiagonal A, E the columns of the unit
 /// matrix for those links: T = A^-1 r - A^-1 E (1 + Q G)^-1 Q E' A^-1 r, G = E' A^-1 E (Woodbury).
+/// Where links hold a body more often than it can move, the system is singular and its least
+/// solution serves: which one does not matter to the motion.
 void System::add_couplings() {
   const auto row = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
   dense_.setZero();

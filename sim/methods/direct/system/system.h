@@ -143,6 +143,7 @@ class System : public Motion {
   // Building (system_build.cpp).
   void add_span(const World& world, const SpanRange& range, bool reversed);
   void order_spans(const World& world, std::span<const SpanRange> ranges);
+  double scale_beside_bodies(const World& world, double links) const;
   void measure_links(const World& world);
   void couple();
 

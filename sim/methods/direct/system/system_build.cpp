@@ -239,6 +239,20 @@ void System::order_spans(const World& world, std::span<const SpanRange> ranges) 
   }
 }
 
+/// The length (m) of links that are so long together; where they are short beside the bodies that
+/// they hold, that of these.
+double System::scale_beside_bodies(const World& world, double links) const {
+  constexpr double kShort = 1e-3;
+  double bodies = 0;
+  for (const End& end : ends_) {
+    if (end.body == kNone) continue;
+    const MassProperties& m = world.bodies[bodies_[end.body].body].mass_properties;
+    bodies =
+        std::max(bodies, std::sqrt(end.local_arm.squaredNorm() + m.inertia.trace() / (2 * m.mass)));
+  }
+  return links > kShort * bodies ? links : bodies;
+}
+
 void System::measure_links(const World& world) {
   std::vector<Links::Link>& links = measured_;
   links.clear();
@@ -299,6 +313,7 @@ void System::measure_links(const World& world) {
   for (const End& end : ends_) {
     if (end.body != kNone) links[end.link].end += 1 / bodies_[end.body].mass;
   }
+  length_ = scale_beside_bodies(world, length_);
   velocity_time_ = velocity_time_of(length_);
   // Pins may leave links without length; a body alone has none.
   shortest_ = links.empty() ? 1 : length_;
