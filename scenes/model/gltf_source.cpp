@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "scenes/files/printable.h"
 #include "scenes/model/limits.h"
 
 namespace taut::scenes {
@@ -151,7 +152,8 @@ std::string GltfSource::name(const Json& in, const std::string& fallback) const 
   const auto found = in.find("name");
   if (found == in.end() || !found->is_string()) return fallback;
   const auto& text = found->get_ref<const std::string&>();
-  return text.empty() || text.size() > name_limit ? fallback : text;
+  // The importer would cut it at a NUL.
+  return text.empty() || text.size() > name_limit ? fallback : printable(text);
 }
 
 void GltfSource::gather_buffers(NamedFiles& files) {

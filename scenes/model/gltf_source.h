@@ -56,7 +56,7 @@ class GltfSource {
                     std::optional<std::size_t> fallback = {}) const;
   std::size_t index(const Json& value, std::size_t count, const std::string& what) const;
   double number(const Json& value, const std::string& what) const;
-  /// The object's name, or `fallback` where it has none.
+  /// The object's name as it is printable(), or `fallback` where it has none.
   std::string name(const Json& in, const std::string& fallback) const;
 
   /// The accessor that `value` is the index of.

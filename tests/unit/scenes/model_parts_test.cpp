@@ -185,9 +185,9 @@ TEST_F(ModelParts, ObjFilesOfManyPrograms) {
   EXPECT_EQ(red.base_color, (std::array<float, 3>{0.8f, 0.1f, 0.1f}));
   EXPECT_EQ(left_out(model, "a.obj"),
             (Lines{"materials (line 3: mtllib \"none.mtl\": there is no such file)",
-                   "lines (2 statements \"l\", first in line 11)",
-                   "points (1 statement \"p\", first in line 12)",
-                   "textures (1 statement \"usemap\", first in line 10)",
+                   "lines (2 statements \"l\", first in line 12)",
+                   "points (1 statement \"p\", first in line 13)",
+                   "textures (1 statement \"usemap\", first in line 11)",
                    "map_Bump (b.mtl, 1 of them)"}));
 }
 
