@@ -81,6 +81,7 @@ class ObjCheck {
                                           found.count == 1 ? "" : "s", word, found.line));
     }
     std::ranges::copy(materials_.left_out(), std::back_inserter(out_.left_out));
+    out_.materials = materials_.text();
     out_.textures = materials_.take();
     return std::move(out_);
   }
@@ -152,7 +153,6 @@ class ObjCheck {
     if (files_.is_missing(name)) {
       out_.left_out.push_back(fmt::format("materials ({}: there is no such file)", where));
     } else if (const std::string* bytes = files_.find({where, name, "a library of materials"})) {
-      out_.materials.append(*bytes, bytes->starts_with(kByteOrderMark) ? 3 : 0) += '\n';
       materials_.add(name, *bytes);
     }
   }

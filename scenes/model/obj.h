@@ -15,7 +15,7 @@ namespace taut::scenes {
 /// proved to be sound.
 struct CheckedObj {
   std::string text;
-  std::string materials;              // its libraries, one after the other
+  std::string materials;              // of all its libraries
   Textures textures;                  // by the names of materials
   std::vector<std::string> left_out;  // a sentence each
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 #include <stdexcept>
 
@@ -52,21 +53,53 @@ void ObjMaterials::add(const std::string& library, std::string_view text) {
       "map_Ka",   "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Pr", "map_Pm", "map_Ps", "map_Bump",
       "map_bump", "bump",   "disp",   "decal",  "refl",  "norm",   "map_Kn", "map_Tr", "map_refl"};
   std::string material;
+  bool named = false;
   std::map<std::string_view, std::size_t> left;
   ObjLines lines(text);
   for (std::string line; lines.next(line);) {
+    if (line.find('\0') != line.npos) {
+      throw bad_asset(file_, fmt::format("{}: not a text file", in_quotes(library)));
+    }
     const auto words = words_of(line);
     if (words.size() < 2) continue;
-    if (words[0] == "newmtl") material = words_from(words, 1);
-    if (words[0] == "map_Kd") {
-      add_picture(library, words, material,
-                  fmt::format("{}: line {}: map_Kd", library, lines.number()));
+    const std::string where = fmt::format("{}: line {}: {}", library, lines.number(), words[0]);
+    if (words[0] == "newmtl") {
+      if (++materials_ > model_limits::meshes) {
+        throw bad_asset(file_, fmt::format("{}: more than {}", where, model_limits::meshes));
+      }
+      material = words_from(words, 1);
+      named = true;
+      text_ += fmt::format("newmtl {}\n", material);
     }
+    if (!named) continue;
+    if (words[0] == "Kd" || words[0] == "Pr" || words[0] == "Pm") add_numbers(words, where);
+    if (words[0] == "map_Kd") add_picture(library, words, material, where);
     if (const auto other = others.find(words[0]); other != others.end()) ++left[*other];
   }
   for (const auto& [word, count] : left) {
     left_out_.push_back(fmt::format("{} ({}, {} of them)", word, library, count));
   }
+}
+
+void ObjMaterials::add_numbers(const std::vector<std::string_view>& words,
+                               const std::string& where) {
+  if (words[1] == "spectral" || words[1] == "xyz") {
+    left_out_.push_back(fmt::format("a colour that is not red, green and blue ({})", where));
+    return;
+  }
+  std::string line(words[0]);
+  const std::size_t count = words[0] == "Kd" ? 3 : 1;
+  for (std::size_t i = 1; i <= count; ++i) {
+    const std::string_view word = words[i < words.size() ? i : 1];  // one number is a grey
+    float value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size() ||
+        !(value >= 0 && value <= 1e3f)) {
+      throw bad_asset(file_, fmt::format("{}: \"{}\" is not a number from 0", where, word));
+    }
+    line += fmt::format(" {}", value);
+  }
+  text_ += line + '\n';
 }
 
 void ObjMaterials::add_picture(const std::string& library,

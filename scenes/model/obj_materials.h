@@ -1,4 +1,4 @@
-// The textures of an OBJ file's libraries of materials.
+// The materials of an OBJ file's libraries of materials.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,8 @@ namespace taut::scenes {
 /// drive.
 std::optional<std::string> name_of_path(std::string_view written);
 
-/// Gathers the pictures of colours (map_Kd). All members throw BadAsset.
+/// Gathers colours, roughness and metal (Kd, Pr, Pm) as a library that is proved to be sound, and
+/// the pictures of colours (map_Kd). All members throw BadAsset.
 class ObjMaterials {
  public:
   ObjMaterials(const std::filesystem::path& file, NamedFiles& files) : file_(file), files_(files) {}
@@ -26,14 +27,18 @@ class ObjMaterials {
   void add(const std::string& library, std::string_view text);
 
   Textures take() { return std::move(textures_); }
+  const std::string& text() const { return text_; }                       // the sound library
   const std::vector<std::string>& left_out() const { return left_out_; }  // a line each
 
  private:
+  void add_numbers(const std::vector<std::string_view>& words, const std::string& where);
   void add_picture(const std::string& library, const std::vector<std::string_view>& words,
                    const std::string& material, const std::string& where);
 
   const std::filesystem::path& file_;
   NamedFiles& files_;
+  std::string text_;
+  std::size_t materials_ = 0;
   Textures textures_;
   std::map<std::string, int> known_;  // by the picture's name
   std::vector<std::string> left_out_;

@@ -191,6 +191,22 @@ TEST_F(ModelParts, ObjFilesOfManyPrograms) {
                    "map_Bump (b.mtl, 1 of them)"}));
 }
 
+TEST_F(ModelParts, LibrariesOfMaterialsAreCheckedBeforeTheImporterReadsThem) {
+  const auto said = [&](const std::string& library) {
+    folder_.write("a.mtl", library);
+    const std::string text =
+        complaint("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    return text.substr(std::min(text.find(": "), text.size()));
+  };
+  // The importer writes where nothing is on the first of these.
+  EXPECT_EQ(said("Kd 1 0 0\nPr 0.5\nmap_Kd none.png\nnewmtl a\n"), "");
+  EXPECT_EQ(said("newmtl a\nKd 0.5\nPm 1\nd 0.5\nillum x\n"), "");
+  EXPECT_EQ(said("newmtl a\nKd spectral a.rfl\n"), "");
+  EXPECT_EQ(said("newmtl a\nKd 1 x 0\n"), ": a.mtl: line 2: Kd: \"x\" is not a number from 0");
+  EXPECT_EQ(said("newmtl a\nPr nan\n"), ": a.mtl: line 2: Pr: \"nan\" is not a number from 0");
+  EXPECT_EQ(said(std::string("newmtl a\0b\n", 11)), ": \"a.mtl\": not a text file");
+}
+
 TEST_F(ModelParts, NamesOfAModelReachNoTerminal) {
   Gltf g = triangle();
   g.json["meshes"][0]["name"] = std::string("a\x1b[31m\n\0b", 9);
