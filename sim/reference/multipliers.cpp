@@ -18,7 +18,8 @@ constexpr std::string_view kTruth = "truth";
 constexpr double kFirstStep = 1e-4;  // s
 constexpr double kShortest = 1e-12;  // s: a step below it says that the motion is not smooth
 constexpr int kMostSteps = 3000;     // steps in so short a time: rounding makes them, and no motion
-constexpr double kBriefTime = 1e-4;  // s
+constexpr double kBriefTime = 5e-4;  // s
+constexpr double kAtOnce = 1e-4;     // s, in which rope that runs out has done so
 
 class Multipliers final : public Method {
  public:
@@ -140,7 +141,7 @@ void Multipliers::step(double& time, double until) {
   const double next = last ? std::max(wanted, taken) : taken;
   if (last) time = until;
   if (const auto connector = mechanism_.run_through(time, state_.data())) {
-    if (time - from < kBriefTime) {
+    if (time - from < kAtOnce) {
       throw Diverged(std::string(kTruth), time, counters_.steps,
                      world_->connectors[*connector].name, 0, kRunThrough);
     }

@@ -57,6 +57,8 @@ inline std::vector<SpoiltScene> spoilt_scenes() {
       {"negative step", "step = 0.001", "step = ^-0.001", "found -0.001"},
       {"step that does not divide the frame", "step = 0.001", "step = ^0.005",
        "expected a step that divides the frame of 1/60 s, such as 0.00416666666667"},
+      {"step of which a run would take too many", "step = 0.001", "step = ^1e-30",
+       "step is 1e-30, expected at least 1e-10"},
       {"step longer than a frame", "step = 0.001", "step = ^0.1", "divides the frame"},
       {"setting of another method", "step = 0.001", "^stiffness = 1000.0",
        "is a setting of springs"},

@@ -53,6 +53,8 @@ TEST(Program, MisuseIsTwo) {
            {"simulate", "scene.toml", "--fps", "0"},
            {"simulate", "scene.toml", "--fps", "many"},
            {"simulate", "scene.toml", "--step", "-1"},
+           {"simulate", "scene.toml", "--step", "1e-30"},
+           {"simulate", "scene.toml", "--step", "1e-13"},
            {"simulate", "scene.toml", "--step", "nan"},
            {"simulate", "scene.toml", "--step", "0.007"},  // does not divide a frame of 20 ms
            {"simulate", "scene.toml", "--step", "0.001", "--tolerance", "0.001"},
@@ -119,6 +121,35 @@ TEST(Simulate, JsonSaysWhatWasDone) {
   EXPECT_GT(json.at("stepping_ms_per_second"), 0);
   EXPECT_GE(json.at("stretch_max"), 0);
   EXPECT_TRUE(json.at("energy_drift").is_null()) << "the hand does work";
+}
+
+// Mass moves to where a connector is cut, and with it potential energy, which is no error.
+TEST(Simulate, ACutChangesEnergyThatIsNoDrift) {
+  const Folder folder;
+  folder.write("scene.toml", R"(duration = 0.5
+fps = 50
+[method]
+name = "direct"
+tolerance = 1e-9
+[connectors.rope]
+length = 4.5e-6
+mass = 1.1
+particles = 3
+from = { fixed = [0.3, 1.0, 0.2] }
+to = { free = true }
+start = { direction = [1.0, 0.3, 0.2] }
+[[cuts]]
+connector = "rope"
+at = 2e-6
+t = 0.2
+[[cuts]]
+connector = "rope"
+at = 3.3e-6
+t = 0.31
+)");
+  const ProgramResult outcome = run_taut({"simulate", "scene.toml", "--json"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_LT(nlohmann::json::parse(outcome.output).at("energy_drift"), 1e-4);
 }
 
 /// The fields of the last column, without its name.

@@ -1,4 +1,5 @@
 // The meaning of scenes: where things stand at the start, what holds them, which names go together.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -49,6 +50,20 @@ TEST_F(SceneTest, StepsThatDivideAFrame) {
   EXPECT_EQ(scenes::dividing_step(0.02, 50), 0.02);
   EXPECT_FALSE(scenes::dividing_step(0.005, 60));
   EXPECT_FALSE(scenes::dividing_step(0.02, 60));
+}
+
+// 0.1 + 0.2 is not 0.3 in doubles; beside 1e3 m it is so by more.
+TEST_F(SceneTest, EndsOfARingMeetWithinTheRoundingOfTheirPlaces) {
+  const auto ring = [&](const char* fixed, const char* body, const char* point) {
+    return read(
+        fmt::format("[bodies.a]\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nposition = {}\n"
+                    "[connectors.ring]\nlength = 0.0\nmass = 0.0\nparticles = 2\n"
+                    "from = {{ fixed = {} }}\nto = {{ body = \"a\", point = {} }}\n",
+                    body, fixed, point));
+  };
+  ring("[0.3, 0.0, 0.0]", "[0.1, 0.0, 0.0]", "[0.2, 0.0, 0.0]");
+  ring("[0.0, -1000.1, 0.3]", "[0.0, -1000.4, 0.1]", "[0.0, 0.3, 0.2]");
+  EXPECT_THROW(ring("[0.3, 0.0, 0.0]", "[0.1, 0.0, 0.0]", "[0.2, 1e-12, 0.0]"), scenes::BadScene);
 }
 
 TEST_F(SceneTest, ABodyHangsFromWhereItsConnectorEnds) {
