@@ -26,6 +26,7 @@
 #include "scenes/load/plan_file.h"
 #include "scenes/load/warnings.h"
 #include "scenes/scene/names.h"
+#include "sim/motion/stop.h"
 
 namespace taut::cli {
 namespace check_command {
@@ -38,8 +39,8 @@ struct Options {
 };
 
 constexpr int kSamples = 4;           // per pixel, as taut render takes them
-constexpr double kLooking = 2;        // s of CPU time between frames: each of two looks ends then
-constexpr double kLongestLook = 6;    // s of CPU time: both are ended then, within a frame too
+constexpr double kLooking = 2;        // s of CPU time, of each of two simulations
+constexpr double kLongestLook = 6;    // s of CPU time, of everything: what goes on is killed
 constexpr double kLookedAt = 1e9;     // bytes; what takes more is not simulated for a look
 constexpr std::size_t kMemory = 3e9;  // bytes, of the looks
 
@@ -50,8 +51,6 @@ struct Known {
   RunTime time;
   std::vector<std::string> warnings;
 };
-
-struct TooLong {};
 
 std::size_t triangles(const scenes::Model& model) {
   std::size_t count = 0;
@@ -298,14 +297,12 @@ void look(Known known, const std::vector<scenes::SceneChange>& changes,
   };
   const auto too_long = fmt::format("within {} s of CPU time", kLongestLook);
   try {
-    const double end = render::process_seconds() + kLooking;
+    const WorkLimit limit({.cpu_time = kLooking});
     scenes::Scene complete = known.scene;
-    const std::string left_out = scenes::complete_stage(complete, changes, [&] {
-      if (render::process_seconds() > end) throw TooLong();
-    });
+    const std::string left_out = scenes::complete_stage(complete, changes, check_stop);
     known.scene = std::move(complete);
     if (!left_out.empty()) known.warnings.push_back(left_out);
-  } catch (const TooLong&) {
+  } catch (const OverLimit&) {
     return tell_without(fmt::format(
         "the camera is left out: {} s of CPU time do not suffice to simulate what it has to show",
         kLooking));

@@ -132,28 +132,31 @@ RunTime time_of_run(const scenes::Scene& scene, const std::vector<scenes::SceneC
     return !some.empty() && (is_over || some.back().time >= end);
   };
   if (all_of(marks)) {
-    return {started + marks.back().cpu, marks.back().time, true, false, ""};
+    const double all = started + marks.back().cpu;
+    return {all, all, all, marks.back().time, true, false, ""};
   }
   const bool in_parts = marks.empty() || marks.back().time == 0;
   if (in_parts) marks = marks_of(scene, changes, run_parts, is_over);
   if (marks.empty()) {  // not even its start
-    result.seconds = started + kPiece;
+    result.seconds = result.least = result.most = started + kPiece;
     result.at_least = true;
     return result;
   }
   const Mark& last = marks.back();
   result.simulated = last.time;
   // What came after the last mark was not enough for the next one.
-  const double unfinished = std::max(kPiece - last.cpu, 0.0);
   double next = 1.0 / scene.fps;
   if (in_parts) {
     const double step = step_of(with_defaults(scene.method));
     next = last.time > 0 ? last.time : step > 0 ? step : kFirstPiece / scene.fps;
   }
-  const double seen = marks.size() > 1 ? rate_at_end(marks) : 0;
-  const double least = is_over ? 0 : unfinished / next;
-  result.at_least = least > seen;
-  result.seconds = started + last.cpu + std::max(seen, least) * (end - last.time);
+  const double unfinished = is_over ? 0 : std::max(kPiece - last.cpu, 0.0), left = end - last.time;
+  const double seen = std::max(marks.size() > 1 ? rate_at_end(marks) : 0, unfinished / next);
+  const double average = (kPiece - marks.front().cpu) / (last.time + next);
+  result.least = started + kPiece + std::min(average, seen) * left;
+  result.most = started + kPiece + std::max(average, seen) * left;
+  result.at_least = unfinished > kPiece / 2;
+  result.seconds = result.at_least ? result.least : std::sqrt(result.least * result.most);
   return result;
 }
 
@@ -161,8 +164,14 @@ std::string text_of(const RunTime& time) {
   if (!time.unknown.empty()) return "a time that is not known: it " + time.unknown;
   const std::string text = options::time_text(time.seconds);
   if (time.whole) return text;
-  if (time.at_least) return fmt::format("more than {}", text);
-  return fmt::format("{}, if all of it goes like its first {:.2g} s", text, time.simulated);
+  if (time.simulated == 0)
+    return fmt::format("more than {}: its first step takes more than {} s", text, kPiece);
+  const std::string by = fmt::format("as its first {:.2g} s tell", time.simulated);
+  if (time.at_least) return fmt::format("{} or more, {}", text, by);
+  constexpr double kSame = 2;
+  if (time.most < kSame * time.least) return fmt::format("{}, {}", text, by);
+  return fmt::format("{} to {}, {}", options::time_text(time.least), options::time_text(time.most),
+                     by);
 }
 
 }  // namespace taut::cli

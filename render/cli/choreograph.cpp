@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "render/base/atomic_file.h"
-#include "render/base/interrupt.h"
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
 #include "render/program/note.h"
@@ -16,6 +15,7 @@
 #include "scenes/load/load_scene.h"
 #include "sim/choreography/choreography.h"
 #include "sim/choreography/hand_frame.h"
+#include "sim/motion/stop.h"
 
 namespace taut::cli {
 namespace choreograph_command {
@@ -27,6 +27,7 @@ struct Options {
   options::SceneOptions inputs;
   std::string scene, out;
   bool as_it_stands = false;
+  double budget = 600;  // s of CPU time
 };
 
 /// As csv() writes them, so that what is certified is what is read.
@@ -108,13 +109,25 @@ Certificate certify_scene(const Options& options, const scenes::Choreographed& a
   return certify(asked, scene.world);
 }
 
-std::vector<PathKey> find(const scenes::Choreographed& asked, bool quiet) {
+std::vector<PathKey> find(const Options& options, const scenes::Choreographed& asked, bool quiet) {
   program::Progress progress("choreographing", "rounds", choreography::kMostRounds, quiet);
   std::uint64_t rounds = 0;
-  const auto watch = [&](double) { progress.update(++rounds); };
-  return rounded(
-      choreography::choreograph(asked.problem, asked.within, watch, render::stop_if_interrupted)
-          .keys);
+  double nearest = INFINITY;
+  const auto watch = [&](double miss) {
+    nearest = std::min(nearest, miss);
+    progress.update(++rounds);
+  };
+  const WorkLimit limit({.cpu_time = options.budget});
+  try {
+    return rounded(choreography::choreograph(asked.problem, asked.within, watch, check_stop).keys);
+  } catch (const OverLimit&) {
+    throw program::Misuse(
+        fmt::format("{}: no path is found within --budget {} s of CPU time: {} of {} rounds{}",
+                    options.scene, options.budget, rounds, choreography::kMostRounds,
+                    rounds > 0 ? fmt::format(" came within {:.2f} mm, asked for {:g} mm",
+                                             1e3 * nearest, 1e3 * asked.within)
+                               : ""));
+  }
 }
 
 int run(const Options& options, const program::Common& common) {
@@ -131,7 +144,7 @@ int run(const Options& options, const program::Common& common) {
     return found.worst() <= asked->within ? program::kDone : program::kUsage;
   }
   render::AtomicFile output(file);
-  const std::vector<PathKey> keys = find(*asked, common.quiet);
+  const std::vector<PathKey> keys = find(options, *asked, common.quiet);
   const Certificate found = certify(
       *asked, choreography::with_hand_path(asked->problem.world, asked->problem.body, keys));
   const std::size_t before =
@@ -180,6 +193,11 @@ asks for is not written. --json has every waypoint. Exit codes: 0 found, 2 no pa
   options::add_scene_options(command, options->inputs);
   command.add_option("--out,-o", options->out, "The file; default the one that the scene names")
       .type_name("FILE");
+  command
+      .add_option(
+          "--budget", options->budget,
+          fmt::format("Seconds of CPU time that the search may take; default: {}", options->budget))
+      .positive();
   command.add_flag("--as-it-stands", options->as_it_stands,
                    "Only measure the path that the scene has");
   command.callback([options, &program] {

@@ -52,8 +52,7 @@ std::string bytes_text(double bytes) {
 }
 
 double memory_needed(const scenes::Scene& scene) {
-  double sum =
-      footprint(*find_method(scene.method.name), scene.world, with_defaults(scene.method)).memory;
+  double sum = memory_of(*find_method(scene.method.name), scene.world, with_defaults(scene.method));
   sum += kProgram;
   // The memory of each part that pins and cuts leave, and of the room made for all beforehand.
   const auto divisions = double(scene.timeline.pins.size() + scene.timeline.cuts.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/base/bounded.h"
 #include "render/base/interrupt.h"
 #include "render/draw/jitter.h"
 #include "render/program/command.h"
@@ -12,6 +13,7 @@
 #include "scenes/load/plan_file.h"
 #include "scenes/scene/clip.h"
 #include "sim/motion/side_by_side.h"
+#include "sim/motion/stop.h"
 #include "sim/study/front.h"
 #include "sim/study/refined.h"
 
@@ -22,17 +24,39 @@ constexpr double kCheckWork = 1.5e10;  // cycles of the independent check
 constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are solved to score them
 constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
+// Shares of the budget, each with what those before it left: until which part of it each may go on.
+constexpr double kReference = 0.4, kModels = 0.6, kSearch = 0.9;
 
-/// CPU seconds per simulated second of stepping to the end; infinite where it does not get there.
+/// CPU time for all the work of a plan.
+class Budget {
+ public:
+  explicit Budget(double seconds) : seconds_(seconds) {}
+
+  double seconds() const { return seconds_; }
+  /// What is left (s) until that share of it is spent; at least nothing.
+  double left(double share) const {
+    return std::max(start_ + share * seconds_ - render::process_seconds(), 0.0);
+  }
+
+ private:
+  double seconds_;
+  double start_ = render::process_seconds();
+};
+
+/// CPU seconds per simulated second of stepping to the end, within `cap` (s); infinite where it
+/// does not get there, not a number where there is no time for one run.
 double cost_of(const study::PlanModel& model, const MethodChoice& candidate,
-               const std::vector<double>& times) {
+               const std::vector<double>& times, double cap) {
   std::vector<double> costs;
+  const WorkLimit limit({.cpu_time = cap});
   try {
     for (int repeat = 0; repeat < kTimings; ++repeat) {
-      render::stop_if_interrupted();
+      check_stop();
       costs.push_back(study::time_run({model.world, times, model.timeline}, candidate) /
                       times.back());
     }
+  } catch (const OverLimit&) {
+    if (costs.empty()) return NAN;
   } catch (const Diverged&) {
     return INFINITY;
   }
@@ -84,7 +108,7 @@ std::optional<Blur> blur_of(const scenes::Scene& scene, const study::ReferenceSo
 /// The most that the planned motion is off at all instants that the clip shows, as far as it is
 /// predictable; none where these are the frames that the planner compares anyway.
 std::optional<double> error_of_clip(const Planned& planned, double scored,
-                                    const std::function<void(double)>& tick) {
+                                    const std::function<void(double)>& tick, double cap) {
   if (!planned.scene.stage) return std::nullopt;
   scenes::Scene clip = planned.scene;
   clip.method = planned.candidate();
@@ -92,9 +116,10 @@ std::optional<double> error_of_clip(const Planned& planned, double scored,
   const std::vector<double> times = scenes::shown_times(clip, scenes::clip_frames(clip));
   const std::vector<double>& compared = planned.reference.problem.times;
   if (std::ranges::includes(compared, times)) return std::nullopt;
-  const study::ReferenceSolution shown = study::at_times(planned.reference, scored, times, tick);
+  const study::ReferenceSolution shown =
+      study::at_times(planned.reference, scored, times, tick, cap);
   return study::distance_between(shown, planned.model().model.world, planned.model().model.timeline,
-                                 planned.candidate(), planned.asked.tolerance.distance);
+                                 planned.candidate(), planned.asked.tolerance.distance, cap);
 }
 
 /// The event of the timeline between two frames, in words.
@@ -118,16 +143,18 @@ std::vector<study::PlanModel> score_models(std::vector<SceneModel>& scene_models
                                            const study::ReferenceSolution& reference,
                                            const study::Tolerance& tolerance,
                                            const MethodChoice& finely, int fps, double longest_step,
-                                           bool quiet) {
+                                           const Budget& budget, bool quiet) {
   std::vector<study::PlanModel> models;
   program::Progress progress("models", "models", scene_models.size(), quiet);
   constexpr std::size_t kBlock = 4;
   for (std::size_t k = 0; k < scene_models.size(); k += kBlock) {
     render::stop_if_interrupted();
+    const double cap = budget.left(kModels);
     side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
       const study::Tolerance own = tolerance;  // a distance may remember what it was asked last
       SceneModel& one = scene_models[k + i];
-      one.alone = study::attempt(one.model, finely, reference, own, INFINITY);
+      one.alone = cap > 0 ? study::attempt(one.model, finely, reference, own, INFINITY, cap)
+                          : study::Trial{.end = study::Trial::End::cut};
     });
     progress.update(k);
   }
@@ -142,14 +169,17 @@ std::vector<study::PlanModel> score_models(std::vector<SceneModel>& scene_models
 
 study::Search search_all(const std::vector<study::PlanModel>& models,
                          const study::ReferenceSolution& reference,
-                         const study::Tolerance& tolerance, bool quiet) {
+                         const study::Tolerance& tolerance, const Budget& budget, bool quiet) {
   std::size_t total = 0;
   for (const study::PlanModel& model : models) total += model.candidates.size();
   program::Progress progress("planning", "runs", total, quiet);
-  return search(models, reference, tolerance, [&](std::size_t done) {
-    render::stop_if_interrupted();
-    progress.update(done);
-  });
+  return search(
+      models, reference, tolerance,
+      [&](std::size_t done) {
+        render::stop_if_interrupted();
+        progress.update(done);
+      },
+      [&] { return budget.left(kSearch); });
 }
 
 scenes::Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t stamp) {
@@ -183,7 +213,9 @@ scenes::Plan plan_of(const Planned& planned, const std::string& tolerance, std::
 }  // namespace
 
 Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneChange>& changes,
-                  Asked asked, const std::string& tolerance, std::uint64_t stamp, bool quiet) {
+                  Asked asked, const std::string& tolerance, std::uint64_t stamp, double seconds,
+                  bool quiet) {
+  const Budget budget(seconds);
   const double scored = asked.tolerance.most / asked.per_metre;
   const auto tick = [](program::Progress& progress) {
     return [&progress](double done) {
@@ -193,23 +225,49 @@ Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneCha
   };
   const study::ReferenceSolution reference = [&] {
     program::Progress progress("solving the reference", "%", 100, quiet);
-    return study::solve_reference({few_copies(scene.world, scene.timeline),
-                                   study::frame_times(scene.duration, scene.fps), scene.timeline},
-                                  scored, kCheckWork, tick(progress));
+    double share = 0;
+    try {
+      return study::solve_reference(
+          {few_copies(scene.world, scene.timeline), study::frame_times(scene.duration, scene.fps),
+           scene.timeline},
+          scored, kCheckWork,
+          [&](double done) {
+            share = done;
+            tick(progress)(done);
+          },
+          budget.left(kReference));
+    } catch (const OverLimit&) {
+      throw program::Misuse(fmt::format(
+          "--budget {}: {:.0f} s of CPU time solve {:.2g}% of what there is to compare with, and "
+          "nothing is planned; a larger budget, a coarser tolerance or a shorter scene (--set "
+          "duration=...) help",
+          seconds, kReference * seconds, 100 * share));
+    }
   }();
   const std::optional<Blur> blur = blur_of(scene, reference, asked);
   asked.tolerance.most -= asked.per_metre * reference.self_error;
 
   const MethodChoice finely{"direct", {{"tolerance", scored * kFinely}}};
-  std::vector<SceneModel> scene_models =
-      models_of(scene, changes, negligible_physics(scene, reference, finely, asked.tolerance));
+  std::vector<SceneModel> scene_models = models_of(
+      scene, changes,
+      negligible_physics(scene, reference, finely, asked.tolerance, budget.left(kModels)));
   const std::vector<study::PlanModel> models =
       score_models(scene_models, reference, asked.tolerance, finely, scene.fps,
-                   blur ? blur->longest_step : INFINITY, quiet);
+                   blur ? blur->longest_step : INFINITY, budget, quiet);
 
   // Between frames a clip may show what is farther off than at any frame: then once more, finer.
   for (study::Tolerance within = asked.tolerance;;) {
-    const study::Search search = search_all(models, reference, within, quiet);
+    const study::Search search = search_all(models, reference, within, budget, quiet);
+    std::size_t left_out = search.left_out;
+    for (const SceneModel& model : scene_models) {
+      if (model.alone.end == study::Trial::End::cut) ++left_out;
+    }
+    if (!search.best && left_out > 0) {
+      throw program::Misuse(fmt::format(
+          "--budget {}: {} models and settings were left out, and of the others none comes within "
+          "{}; a larger budget, a coarser tolerance or a shorter scene (--set duration=...) help",
+          seconds, left_out, tolerance));
+    }
     if (!search.best) {
       const study::Trial* trial = nearest(search, scene_models);
       const SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
@@ -223,22 +281,33 @@ Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneCha
     planned.scored = scored;
     planned.blur = blur;
     planned.error = planned.best.error;
-    if (reference.known > 1) {
-      program::Progress progress("proving the clip", "%", 100, quiet);
-      planned.clip_error = error_of_clip(planned, scored, tick(progress));
-      planned.error = std::max(planned.error, planned.clip_error.value_or(0));
-    }
+    planned.left_out = left_out;
+    planned.budget = seconds;
+    const auto rest = [&] { return budget.left(1); };
+    if (reference.known > 1) try {
+        program::Progress progress("proving the clip", "%", 100, quiet);
+        planned.clip_error = error_of_clip(planned, scored, tick(progress), rest());
+        planned.error = std::max(planned.error, planned.clip_error.value_or(0));
+      } catch (const OverLimit&) {
+        throw program::Misuse(fmt::format(
+            "--budget {}: {} by {} is within {} at every frame, and no time was left to prove what "
+            "the clip shows between them; a larger budget helps",
+            seconds, describe(planned.model(), scene), describe(planned.candidate()), tolerance));
+      }
     if (planned.error > asked.tolerance.most) {
       within.most *= kFinerForClip * asked.tolerance.most / planned.error;
       continue;
     }
     const study::PlanModel& written = models.front();
     planned.as_written =
-        study::run_through(written, scene.method, reference, asked.tolerance.distance);
-    planned.models_off =
-        model_errors(scene, changes, scene_models, reference, finely, asked.tolerance.distance);
-    planned.cost = cost_of(planned.model().model, planned.candidate(), reference.problem.times);
-    planned.cost_as_written = cost_of(written, scene.method, reference.problem.times);
+        study::run_through(written, scene.method, reference, asked.tolerance.distance, rest());
+    planned.models_off = model_errors(scene, changes, scene_models, reference, finely,
+                                      asked.tolerance.distance, rest);
+    const std::vector<double>& times = reference.problem.times;
+    planned.cost = cost_of(planned.model().model, planned.candidate(), times, rest());
+    planned.cost_as_written = planned.as_written.end == study::Trial::End::cut
+                                  ? NAN
+                                  : cost_of(written, scene.method, times, rest());
     planned.plan = plan_of(planned, tolerance, stamp);
     return planned;
   }

@@ -11,6 +11,7 @@
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/scene/names.h"
+#include "sim/motion/stop.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"
 #include "sim/study/refined.h"
@@ -145,9 +146,19 @@ ModelErrors model_errors(const scenes::Scene& scene,
                          const std::vector<scenes::SceneChange>& written,
                          const std::vector<SceneModel>& models,
                          const study::ReferenceSolution& reference, const MethodChoice& finely,
-                         const study::Distance& distance) {
+                         const study::Distance& distance, const study::TimeLeft& left) {
   ModelErrors errors;
   if (reference.known < 2) return errors;
+  // Not a number where there is no time to know it.
+  const auto off = [&](const World& world, const Timeline& timeline) {
+    try {
+      const double cap = left();
+      return cap > 0 ? study::distance_between(reference, world, timeline, finely, distance, cap)
+                     : NAN;
+    } catch (const OverLimit&) {
+      return double(NAN);
+    }
+  };
   const auto refined = [&](std::size_t times) {
     std::vector<scenes::SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
@@ -159,8 +170,7 @@ ModelErrors model_errors(const scenes::Scene& scene,
     if (changes.size() == written.size()) return std::numeric_limits<double>::infinity();
     try {
       const scenes::Scene changed = scenes::load_scene(scene.file, false, changes);
-      return study::distance_between(reference, few_copies(changed.world, changed.timeline),
-                                     changed.timeline, finely, distance);
+      return off(few_copies(changed.world, changed.timeline), changed.timeline);
     } catch (const scenes::BadScene&) {
       return std::numeric_limits<double>::infinity();  // points were given for so many particles
     }
@@ -171,18 +181,17 @@ ModelErrors model_errors(const scenes::Scene& scene,
   for (const Physics one : physics_of(scene.world)) {
     World without = models.front().model.world;
     neglect(without, std::span(&one, 1));
-    errors.physics[one] = study::distance_between(reference, without, models.front().model.timeline,
-                                                  finely, distance);
+    errors.physics[one] = off(without, models.front().model.timeline);
   }
   const SceneModel& last = models.back();
   if (is_massless(last)) {
-    errors.span =
-        study::distance_between(reference, last.model.world, last.model.timeline, finely, distance);
+    const double span = off(last.model.world, last.model.timeline);
+    if (!std::isnan(span)) errors.span = span;
   }
   if (models.size() > 1 && !models[1].links.empty()) {
     const SceneModel& linked = models[1];
-    errors.link = study::distance_between(reference, linked.model.world, linked.model.timeline,
-                                          finely, distance);
+    const double link = off(linked.model.world, linked.model.timeline);
+    if (!std::isnan(link)) errors.link = link;
   }
   return errors;
 }
@@ -190,14 +199,16 @@ ModelErrors model_errors(const scenes::Scene& scene,
 std::vector<Physics> negligible_physics(const scenes::Scene& scene,
                                         const study::ReferenceSolution& reference,
                                         const MethodChoice& finely,
-                                        const study::Tolerance& tolerance) {
+                                        const study::Tolerance& tolerance, double cpu_cap) {
   std::vector<Physics> negligible;
-  for (const Physics one : physics_of(scene.world)) {
+  const std::vector<Physics> all = physics_of(scene.world);
+  for (const Physics one : all) {
     std::vector<Physics> tried = negligible;
     tried.push_back(one);
     study::PlanModel model{few_copies(scene.world, scene.timeline), scene.timeline, {}};
     neglect(model.world, tried);
-    const study::Trial trial = study::attempt(model, finely, reference, tolerance, INFINITY);
+    const study::Trial trial =
+        study::attempt(model, finely, reference, tolerance, INFINITY, cpu_cap / double(all.size()));
     if (trial.end == study::Trial::End::within) negligible = std::move(tried);
   }
   return negligible;

@@ -30,11 +30,12 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
                                   const std::vector<Physics>& negligible);
 
 /// The physics of the scene's connectors that may be left out together: each in turn, solved by
-/// `finely`, changes no point by more than the tolerance.
+/// `finely`, changes no point by more than the tolerance. Physics whose run would exceed its share
+/// of `cpu_cap` (s) are kept.
 std::vector<Physics> negligible_physics(const scenes::Scene& scene,
                                         const study::ReferenceSolution& reference,
                                         const MethodChoice& finely,
-                                        const study::Tolerance& tolerance);
+                                        const study::Tolerance& tolerance, double cpu_cap);
 
 /// Every method that follows the world, at every setting of its sweep, with steps that divide a
 /// frame of 1/`fps` s and are at most `longest_step` (s); the default method first.
@@ -50,12 +51,13 @@ struct ModelErrors {
   std::map<Physics, double> physics;  // of leaving one alone out
 };
 
-/// Solves the refined models by `finely`. A motion that is not predictable has no such errors.
+/// Solves the refined models by `finely`. A motion that is not predictable has no such errors;
+/// those that there is no time for are not numbers.
 ModelErrors model_errors(const scenes::Scene& scene,
                          const std::vector<scenes::SceneChange>& written,
                          const std::vector<SceneModel>& models,
                          const study::ReferenceSolution& reference, const MethodChoice& finely,
-                         const study::Distance& distance);
+                         const study::Distance& distance, const study::TimeLeft& left);
 
 /// Whether the model has something massless.
 bool is_massless(const SceneModel& model);

@@ -120,6 +120,8 @@ std::string outcome(const study::Trial& trial, const Asked& asked,
                          options::rounded(milliseconds(trial.cycles)));
     case study::Trial::End::diverged:
       return "cannot run it";
+    case study::Trial::End::cut:
+      return "not run to its end: over the budget";
   }
   return "";
 }
@@ -230,42 +232,57 @@ std::string plan_text(const Planned& planned) {
   }
   if (planned.as_written.end == study::Trial::End::diverged) {
     line("saving", fmt::format("as it is written, {} diverges", describe(scene.method)));
+  } else if (planned.as_written.end == study::Trial::End::cut) {
+    line("saving", fmt::format("not known: as it is written, {} is not run to its end within the "
+                               "budget",
+                               describe(scene.method)));
   } else {
+    const double measured = planned.cost_as_written / planned.cost;
     line("saving",
-         fmt::format("{} by counted work, {} measured, than as it is written: {}, {} {} off",
-                     times_less(planned.as_written.cycles, best.cycles),
-                     times_less(planned.cost_as_written, planned.cost), describe(scene.method),
-                     options::rounded(planned.as_written.error), unit));
+         fmt::format(
+             "{} by counted work, {} measured, than as it is written: {}, {} {} off",
+             times_less(planned.as_written.cycles, best.cycles),
+             std::isnan(measured) ? "not" : times_less(planned.cost_as_written, planned.cost),
+             describe(scene.method), options::rounded(planned.as_written.error), unit));
   }
-  line("cost", fmt::format("{} ms of CPU time per simulated second predicted from the counts, {} "
-                           "measured",
-                           options::rounded(milliseconds(best.cycles)),
-                           options::rounded(1e3 * planned.cost)));
+  line("cost",
+       fmt::format("{} ms of CPU time per simulated second predicted from the counts, {} measured",
+                   options::rounded(milliseconds(best.cycles)),
+                   std::isnan(planned.cost) ? "not" : options::rounded(1e3 * planned.cost)));
+  if (planned.left_out > 0) {
+    line("budget",
+         fmt::format("{} s of CPU time: {} models and settings were not run to their end, "
+                     "and a cheaper plan may be among them",
+                     planned.budget, planned.left_out));
+  }
   return text + "\nLeft out:\n" + chart::to_text(left_out(planned));
 }
 
 std::string plan_json(const Planned& planned) {
   const study::ReferenceSolution& reference = planned.reference;
-  nlohmann::ordered_json json = {{"scene", planned.scene.file.string()},
-                                 {"tolerance", planned.plan.tolerance},
-                                 {"certificate", scenes::certificate(planned.plan)},
-                                 {"until", planned.plan.until},
-                                 {"error", planned.plan.error},
-                                 {"error_at_frames", planned.best.error},
-                                 {"method", planned.plan.method.name},
-                                 {"settings", options::settings_json(planned.plan.method.settings)},
-                                 {"particles", planned.plan.particles},
-                                 {"bodies_as_links", planned.plan.links},
-                                 {"neglected", names_of(planned.plan.neglected)},
-                                 {"checked_by", checked_by(reference)},
-                                 {"scored_metres", planned.scored},
-                                 {"exact_known_to", planned.asked.per_metre * reference.self_error},
-                                 {"cycles_per_second", planned.best.cycles},
-                                 {"predicted_ms_per_second", milliseconds(planned.best.cycles)},
-                                 {"measured_ms_per_second", 1e3 * planned.cost}};
+  nlohmann::ordered_json json = {
+      {"scene", planned.scene.file.string()},
+      {"tolerance", planned.plan.tolerance},
+      {"certificate", scenes::certificate(planned.plan)},
+      {"until", planned.plan.until},
+      {"error", planned.plan.error},
+      {"error_at_frames", planned.best.error},
+      {"method", planned.plan.method.name},
+      {"settings", options::settings_json(planned.plan.method.settings)},
+      {"particles", planned.plan.particles},
+      {"bodies_as_links", planned.plan.links},
+      {"neglected", names_of(planned.plan.neglected)},
+      {"checked_by", checked_by(reference)},
+      {"scored_metres", planned.scored},
+      {"exact_known_to", planned.asked.per_metre * reference.self_error},
+      {"cycles_per_second", planned.best.cycles},
+      {"predicted_ms_per_second", milliseconds(planned.best.cycles)},
+      {"measured_ms_per_second", program::number_or_null(1e3 * planned.cost)},
+      {"over_budget", planned.left_out}};
   const ModelErrors& off = planned.models_off;
   if (reference.known > 1) {
-    json["model_error"] = {{"twice_the_links", off.twice}, {"four_times_the_links", off.four}};
+    json["model_error"] = {{"twice_the_links", program::number_or_null(off.twice)},
+                           {"four_times_the_links", program::number_or_null(off.four)}};
     if (off.rope) json["model_error"]["continuous_rope"] = *off.rope;
     if (off.span) json["model_error"]["massless_span"] = *off.span;
   }
@@ -288,9 +305,10 @@ std::string plan_json(const Planned& planned) {
     json["later"] = {{"found", later(planned.best.later)}, {"allowed", later(reference.most)}};
   }
   if (planned.as_written.end == study::Trial::End::within) {
-    json["as_written"] = {{"error", planned.as_written.error},
-                          {"predicted_ms_per_second", milliseconds(planned.as_written.cycles)},
-                          {"measured_ms_per_second", 1e3 * planned.cost_as_written}};
+    json["as_written"] = {
+        {"error", planned.as_written.error},
+        {"predicted_ms_per_second", milliseconds(planned.as_written.cycles)},
+        {"measured_ms_per_second", program::number_or_null(1e3 * planned.cost_as_written)}};
   }
   for (const auto& row : left_out(planned).rows) {
     json["left_out"].push_back({{"model", row[0]}, {"method", row[1]}, {"outcome", row[2]}});

@@ -43,7 +43,9 @@ struct Planned {
   std::optional<double> clip_error = {};  // at what the clip shows between frames
   double error = 0;                       // the largest of all that is compared
   study::Trial as_written = {};           // run to its end, whatever its error
-  double cost = 0, cost_as_written = 0;   // measured: CPU s per simulated second
+  double cost = 0, cost_as_written = 0;   // measured: CPU s per simulated second; NAN: not
+  std::size_t left_out = 0;               // models and settings not run to their end, for want of
+  double budget = 0;                      // s of CPU time
 
   const SceneModel& model() const { return models[best.model]; }
   const MethodChoice& candidate() const { return model().model.candidates[best.candidate]; }

@@ -3,16 +3,21 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <limits>
 #include <vector>
 
 #include "render/base/interrupt.h"
 #include "render/draw/shading/lighting.h"
 #include "render/program/command.h"
+#include "render/program/note.h"
 #include "render/program/progress.h"
+#include "sim/run/cpu_time.h"
 
 namespace taut::studies {
 namespace {
+
+constexpr double kMostTruth = 600;  // s of CPU time, of each solution
 
 void cut_at_horizon(Target& target) {
   std::erase_if(target.problem.times, [&](double time) { return time > target.reference.horizon; });
@@ -32,10 +37,18 @@ truth::Reference solved_truth(const scenes::Scene& scene, std::span<const double
   // Two solvers, the first of them three times: no more than so many frames.
   program::Progress progress("solving the truth", "frames", 4 * times.size(), true);
   std::uint64_t done = 0;
-  return truth::solve_truth(scene.world, times, options, scene.timeline, [&] {
+  truth::TruthOptions capped = options;
+  capped.cpu_cap = std::min(options.cpu_cap, kMostTruth);
+  const double start = thread_seconds();
+  truth::Reference truth = truth::solve_truth(scene.world, times, capped, scene.timeline, [&] {
     render::stop_if_interrupted();
     progress.update(++done);
   });
+  if (truth.frames.size() < times.size() && thread_seconds() - start > capped.cpu_cap) {
+    program::note("{}: the truth is left out after {:.4g} s: more takes over {} s of CPU time\n",
+                  scene.file.string(), truth.horizon, capped.cpu_cap);
+  }
+  return truth;
 }
 
 Target target_of(const scenes::Scene& scene, double duration, const truth::TruthOptions& options) {

@@ -9,6 +9,7 @@
 #include "scenes/format/document.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/scene/shapes.h"
+#include "sim/motion/stop.h"
 
 namespace taut::scenes {
 namespace {
@@ -22,6 +23,7 @@ constexpr double kSmallest = 0.05;    // m, half of what is framed
 constexpr double kHead = 0.15;        // m, of a character around its bones
 /// Of the simulation that finds what to frame, as Counters::cycles has it: a few seconds.
 constexpr double kMostCycles = 1e10;
+constexpr std::uint64_t kMostChecks = 20'000'000;  // calls of check_stop(), within frames too
 constexpr std::size_t kMostPoints = 20'000'000;
 
 using Box = Eigen::AlignedBox3d;
@@ -114,6 +116,7 @@ Points points_of_clip(const Scene& scene, const std::function<void()>& tick) {
   Points found;
   std::vector<Vec3>& all = found.all;
   Box near;
+  const WorkLimit limit({.checks = kMostChecks});
   try {
     for (int& frame = found.frames; frame < scene.frames(); ++frame) {
       tick();
@@ -138,6 +141,8 @@ Points points_of_clip(const Scene& scene, const std::function<void()>& tick) {
     }
   } catch (const Diverged&) {  // the clip ends there, too
     found.frames = scene.frames();
+  } catch (const OverLimit&) {
+    if (!limit.reached()) throw;
   }
   const double range = kRunaway * std::max(near.diagonal().norm() / 2, kSmallest);
   std::erase_if(all, [&](const Vec3& point) {

@@ -14,7 +14,7 @@
 #include "scenes/scene/view.h"
 #include "sim/choreography/choreography.h"
 #include "sim/choreography/hand_frame.h"
-#include "sim/run/cpu_time.h"
+#include "sim/motion/stop.h"
 
 namespace taut::scenes {
 namespace {
@@ -56,19 +56,14 @@ bool is_shown(const Scene& scene, const std::vector<const Shot*>& shots, double 
 
 void look_through_camera(const Scene& scene, double seconds, const std::function<void()>& tick,
                          std::vector<std::string>& warnings) {
-  const double end = thread_seconds() + seconds;
+  const WorkLimit limit({.cpu_time = seconds});
   double looked_at = 0;  // s
   std::map<std::string, Sight> sights;
   Simulation simulation = start(scene);
   try {
     for (const auto& [time, shots] : times_of_clip(scene)) {
       tick();
-      if (thread_seconds() > end) {
-        warnings.push_back(fmt::format(
-            "what the camera shows after {:.4g} s is left out: it takes more than {} s of CPU time",
-            looked_at, seconds));
-        break;
-      }
+      check_stop();
       simulation.advance_to(time);
       looked_at = time;
       for (const Outline& thing : outlines(scene, simulation.state())) {
@@ -81,6 +76,11 @@ void look_through_camera(const Scene& scene, double seconds, const std::function
         sight.last_hidden = time;
       }
     }
+  } catch (const OverLimit&) {
+    if (!limit.reached()) throw;
+    warnings.push_back(fmt::format(
+        "what the camera shows after {:.4g} s is left out: it takes more than {} s of CPU time",
+        looked_at, seconds));
   } catch (const Diverged& error) {
     warnings.push_back(fmt::format("the simulation diverges: {}", error.what()));
   }

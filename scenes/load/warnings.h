@@ -12,8 +12,7 @@ namespace taut::scenes {
 
 /// Where a hand's path is out of its arm's reach, what the camera does not show and when, and
 /// whether anything is simulated at all; a sentence each. The scene has its stage complete or none.
-/// Simulates for at most `seconds` of CPU time and the frame after it: a warning says what is left
-/// out.
+/// Simulates for at most `seconds` of CPU time: a warning says what is left out.
 std::vector<std::string> warnings_of(const Scene& scene, double seconds,
                                      const std::function<void()>& tick);
 

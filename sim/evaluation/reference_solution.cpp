@@ -10,6 +10,7 @@
 #include "sim/evaluation/statistics.h"
 #include "sim/measure/measure.h"
 #include "sim/motion/side_by_side.h"
+#include "sim/motion/stop.h"
 #include "sim/topology/span.h"
 #include "sim/truth/truth.h"
 
@@ -32,9 +33,10 @@ struct Motion {
 
 /// The motion as far as the method goes or `go_on`, called after each frame, says.
 Motion solve(const Problem& problem, const World& world, const SamplePoints& sample_points,
-             const MethodChoice& candidate,
+             const MethodChoice& candidate, double cpu_cap,
              const std::function<bool(const Motion&, const Simulation&)>& go_on) {
   Motion motion;
+  const WorkLimit limit({.cpu_time = cpu_cap});
   Simulation simulation(world, make_method(candidate.name, candidate.settings), problem.timeline);
   EnergyBalance balance(problem.timeline);
   try {
@@ -132,7 +134,7 @@ void measure_afterwards(ReferenceSolution& reference, const Motion& motion,
 }  // namespace
 
 ReferenceSolution solve_reference(Problem problem, double scored_error, double most_cycles,
-                                  const std::function<void(double)>& tick) {
+                                  const std::function<void(double)>& tick, double cpu_cap) {
   const auto frames = static_cast<double>(problem.times.size());
   double done = 0;
   std::mutex one_at_a_time;
@@ -150,7 +152,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
       nudged_with_bodies(problem.world, truth::kTruthNudge * scored_error, true)};
   Motion motions[std::size(starts)];
   side_by_side(std::size(starts), [&](std::size_t i) {
-    motions[i] = solve(problem, starts[i], sample_points, direct(kFiner), look);
+    motions[i] = solve(problem, starts[i], sample_points, direct(kFiner), cpu_cap, look);
   });
   const Motion& motion = motions[0];
   const std::span<const Motion> others = std::span(motions).subspan(1);
@@ -173,7 +175,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
   Motion check;
   if (!has_spans(own.world)) {
     try {
-      check = solve(own, own.world, sample_points, truth,
+      check = solve(own, own.world, sample_points, truth, cpu_cap,
                     [&](const Motion& so_far, const Simulation& now) {
                       look(so_far, now);
                       return so_far.points.size() < reference.known &&
@@ -181,13 +183,15 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
                     });
     } catch (const Diverged&) {
       // Left to the direct method.
+    } catch (const OverLimit&) {
+      // So is what takes it too long.
     }
   }
   reference.checked = std::min(reference.known, check.points.size());
   const std::size_t agreed = agree(motion, check, apart, reference.self_error);
   if (agreed < reference.checked) reference.known = reference.checked = agreed;
   if (reference.checked < reference.known) {
-    check = solve(own, own.world, sample_points, direct(kEvenFiner),
+    check = solve(own, own.world, sample_points, direct(kEvenFiner), cpu_cap,
                   [&](const Motion& so_far, const Simulation& now) {
                     look(so_far, now);
                     return so_far.points.size() < reference.known;
@@ -200,7 +204,8 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
 }
 
 ReferenceSolution at_times(const ReferenceSolution& reference, double scored_error,
-                           std::vector<double> times, const std::function<void(double)>& tick) {
+                           std::vector<double> times, const std::function<void(double)>& tick,
+                           double cpu_cap) {
   std::erase_if(times, [&](double time) { return time > reference.horizon(); });
   const auto all = static_cast<double>(times.size());
   ReferenceSolution other{
@@ -208,7 +213,7 @@ ReferenceSolution at_times(const ReferenceSolution& reference, double scored_err
       .sample_points = reference.sample_points,
       .self_error = reference.self_error};
   other.points = solve(other.problem, other.problem.world, reference.sample_points,
-                       direct_within(kFiner * scored_error),
+                       direct_within(kFiner * scored_error), cpu_cap,
                        [&](const Motion& so_far, const Simulation&) {
                          tick(static_cast<double>(so_far.points.size()) / all);
                          return true;

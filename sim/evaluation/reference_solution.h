@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "sim/evaluation/run.h"
@@ -52,13 +53,15 @@ struct ReferenceSolution {
 /// neither its equations nor its integrators. What that cannot follow, or not with `most_cycles`
 /// (see Counters::cycles), direct checks itself, ten times as finely. Calls `tick` after each frame
 /// with the share of all that is done; it may throw. Throws Diverged where there is no second
-/// frame.
+/// frame, and OverLimit where a solution takes more than `cpu_cap` (s).
 ReferenceSolution solve_reference(Problem problem, double scored_error, double most_cycles,
-                                  const std::function<void(double)>& tick);
+                                  const std::function<void(double)>& tick,
+                                  double cpu_cap = std::numeric_limits<double>::infinity());
 
 /// The same motion at other times (s, rising), as far as it is known; for comparisons of states
-/// alone.
+/// alone. Throws OverLimit where they take more than `cpu_cap` (s).
 ReferenceSolution at_times(const ReferenceSolution& reference, double scored_error,
-                           std::vector<double> times, const std::function<void(double)>& tick);
+                           std::vector<double> times, const std::function<void(double)>& tick,
+                           double cpu_cap = std::numeric_limits<double>::infinity());
 
 }  // namespace taut::study

@@ -8,47 +8,9 @@
 #include "sim/contact/penetration.h"
 #include "sim/evaluation/energy_balance.h"
 #include "sim/measure/measure.h"
+#include "sim/motion/stop.h"
 
 namespace taut::study {
-namespace {
-
-constexpr double kSlice = 0.02;  // s of CPU time between two looks at the cap
-
-/// Goes to `until` in slices of whole steps, so that a frame of many dear steps cannot outrun the
-/// cap. Slices lie on the steps' grid, which leaves every bit as it was.
-class Slices {
- public:
-  Slices(const Settings& settings, double cpu_cap, const std::function<void()>& tick)
-      : cap_(cpu_cap), tick_(tick), step_(step_of(settings)) {}
-
-  /// False where the cap stopped it.
-  bool advance(Simulation& simulation, double until, double& cpu) {
-    while (std::as_const(simulation).world().time < until) {
-      const double now = std::as_const(simulation).world().time;
-      double next = until;
-      if (step_ > 0 && now + (count_ + 1) * step_ < until) {
-        next = std::round(now / step_ + count_) * step_;
-      }
-      const double before = thread_seconds();
-      simulation.advance_to(next);
-      const double spent = thread_seconds() - before;
-      cpu += spent;
-      if (tick_) tick_();
-      if (cpu > cap_) return false;
-      if (spent < kSlice / 2) count_ *= 2;
-      if (spent > kSlice && count_ > 1) count_ /= 2;
-    }
-    return true;
-  }
-
- private:
-  double cap_;
-  const std::function<void()>& tick_;
-  double step_;
-  double count_ = 1;  // steps in a slice
-};
-
-}  // namespace
 
 std::vector<double> frame_times(double duration, int fps) {
   std::vector<double> times;
@@ -65,21 +27,22 @@ Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
   if (!wrong.empty()) throw std::invalid_argument(wrong);
   Simulation simulation(problem.world, make_method(candidate.name, candidate.settings),
                         problem.timeline);
-  Slices slices(candidate.settings, cpu_cap, tick);
   const EnergyBalance balance(problem.timeline);
-  double level = energy(problem.world), before = problem.world.time;
+  double level = energy(problem.world), frame = problem.world.time;
   Run result;
   result.reached = problem.world.time;
+  const double start = thread_seconds();
+  const WorkLimit limit({.cpu_time = cpu_cap});
   try {
     for (const double time : problem.times) {
-      if (!slices.advance(simulation, time, result.cpu)) {
-        result.end = Run::End::over_cap;
-        result.reason = text_of(Run::End::over_cap);
-        break;
-      }
+      const double before = thread_seconds();
+      simulation.advance_to(time);
+      result.cpu += thread_seconds() - before;
+      if (result.cpu > cpu_cap) throw OverLimit();
+      if (tick) tick();
       const double now = energy(std::as_const(simulation).world());
-      if (balance.intervened(before, time)) level = now;
-      before = time;
+      if (balance.intervened(frame, time)) level = now;
+      frame = time;
       const double gained = now - level;
       const double stretch = stretch_max(std::as_const(simulation).world());
       if (!std::isfinite(gained) || !std::isfinite(stretch)) {
@@ -97,6 +60,11 @@ Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
       result.penetration_max = std::max(
           result.penetration_max, contact::penetration_max(std::as_const(simulation).world()));
     }
+  } catch (const OverLimit&) {
+    if (!limit.reached() && !(result.cpu > cpu_cap)) throw;  // it is that of a limit around this
+    result.cpu = std::max(result.cpu, thread_seconds() - start);
+    result.end = Run::End::over_cap;
+    result.reason = text_of(Run::End::over_cap);
   } catch (const Diverged& error) {
     result.end = Run::End::diverged;
     result.reason = error.what();

@@ -44,7 +44,8 @@ struct Run {
 /// The end as tables call it: done, diverged, over its CPU cap.
 const char* text_of(Run::End end);
 
-/// Runs `candidate` and records what Run holds. Stops once the stepping has taken `cpu_cap` (s).
+/// Runs `candidate` and records what Run holds. Stops once it has taken `cpu_cap` (s), within
+/// a step too.
 /// Settings must be valid: throws std::invalid_argument. Calls `tick`, where there is one, now and
 /// then; it may throw.
 Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,

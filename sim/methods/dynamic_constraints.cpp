@@ -178,7 +178,8 @@ MethodInfo dynamic_constraints_method() {
       .longest_step = stable_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",
       .companion = companion_of_constraints,
-      .cost = {.memory = 700, .step = 2e-7, .eliminates = true},
+      .particle_memory = 700,
+      .eliminates = true,
   };
 }
 

@@ -270,7 +270,7 @@ MethodInfo impulse_method() {
           [](const MethodInfo&, const Settings&) {
             return Companion{.none = "does not converge to the exact solution, whatever its step"};
           },
-      .cost = {.memory = 100, .step = 2e-8},
+      .particle_memory = 100,
   };
 }
 

@@ -172,7 +172,7 @@ MethodInfo springs_method() {
       .follows_strings = true,
       .follows_winches = true,
       .companion = companion_of_springs,
-      .cost = {.memory = 350, .step = 1e-8},
+      .particle_memory = 350,
   };
 }
 

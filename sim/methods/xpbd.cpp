@@ -234,7 +234,7 @@ MethodInfo xpbd_method() {
       .follows_winches = true,
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
-      .cost = {.memory = 250, .step = 3e-8},
+      .particle_memory = 250,
   };
 }
 

@@ -97,7 +97,7 @@ MethodInfo multibody_method() {
               [](const MethodInfo& multibody, const Settings& settings) {
                 return with_tolerance_raised(multibody, settings, "accuracy");
               },
-          .cost = {.memory = 8000, .step = 2e-5},
+          .particle_memory = 8000,
           .runs_alone = true};
 }
 

@@ -243,7 +243,8 @@ MethodInfo truth_method() {
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");
               },
-          .cost = {.memory = 1500, .step = 1e-6, .eliminates = true}};
+          .particle_memory = 1500,
+          .eliminates = true};
 }
 
 }  // namespace taut::reference

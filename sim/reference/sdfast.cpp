@@ -223,7 +223,7 @@ MethodInfo sdfast_method() {
           [](const MethodInfo&, const Settings&) {
             return Companion{.none = "keeps the state of one run at a time in its generated code"};
           },
-      .cost = {.memory = 8000, .step = 2e-6},
+      .particle_memory = 8000,
       .runs_alone = true};
 }
 

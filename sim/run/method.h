@@ -133,15 +133,6 @@ enum class PaperRole {
   particle_system,
 };
 
-/// The cost of a method for each particle, beside the world; measured on ropes of 20,000 particles,
-/// in a single span. The default is that of the hungriest.
-struct ParticleCost {
-  double memory = 8000;  // bytes
-  double step = 2e-5;    // s
-  /// Solves by TensionSystem, which has dense columns for links that meet in a free body.
-  bool eliminates = false;
-};
-
 /// A row of the list of methods.
 struct MethodInfo {
   std::string_view name;     // as in scene files
@@ -194,7 +185,11 @@ struct MethodInfo {
   /// The companion of a run with a full set of settings, coarser or finer, so that ErrorEstimate
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
-  ParticleCost cost = {};
+  /// Bytes for each particle, beside the world; measured on ropes of 20,000 particles, in a single
+  /// span. The default is that of the hungriest.
+  double particle_memory = 8000;
+  /// Solves by TensionSystem, which has dense columns for links that meet in a free body.
+  bool eliminates = false;
   /// Several must not run at the same time: their libraries may share global state.
   bool runs_alone = false;
   /// Of each body, whether the method steps it as one more link, which is exact where it hangs by

@@ -1,6 +1,9 @@
 #include "sim/study/bench.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "sim/motion/stop.h"
 
 namespace taut::study {
 namespace {
@@ -38,6 +41,8 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const MethodChoice
                             problem.timeline);
       timing.frames.resize(problem.times.size());
       double sum = 0;
+      // Each part of the budget is there for many runs: what one alone exceeds is not timed.
+      const WorkLimit limit({.cpu_time = 2 * options.seconds});
       try {
         for (std::size_t k = 0; k < problem.times.size(); ++k) {
           const double before = thread_seconds();
@@ -49,6 +54,11 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const MethodChoice
         const auto frames = static_cast<double>(problem.times.size());
         timing.means.push_back(sum / frames);
         rows[c].steps = static_cast<double>(simulation.method().counters().steps) / frames;
+      } catch (const OverLimit&) {
+        if (!limit.reached()) throw;
+        if (timing.means.empty()) rows[c].failure = "not run: over its share of the budget";
+        timing.spent = std::numeric_limits<double>::infinity();
+        timing.frames.clear();
       } catch (const Diverged& error) {
         rows[c].failure = error.what();
       } catch (const BadIntervention& error) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "sim/motion/side_by_side.h"
+#include "sim/motion/stop.h"
 
 namespace taut::study {
 
@@ -56,10 +57,12 @@ class Dearness {
 /// Goes on as long as `end_of` says that the trial is within. After the first frame that takes work
 /// it says what equal steps will take to the end, so that what is too dear is not run.
 Trial run(const PlanModel& model, const MethodChoice& candidate, const ReferenceSolution& reference,
-          const Distance& distance, const std::function<Trial::End(const Trial&)>& end_of) {
+          const Distance& distance, double cpu_cap,
+          const std::function<Trial::End(const Trial&)>& end_of) {
   const std::vector<double>& times = reference.problem.times;
   const double span = times.back() - times.front();
   Trial trial;
+  const WorkLimit limit({.cpu_time = cpu_cap});
   try {
     ComparedRun compared(reference, model.world, model.timeline, candidate, distance);
     const bool equal = has_equal_steps(candidate);
@@ -70,6 +73,9 @@ Trial run(const PlanModel& model, const MethodChoice& candidate, const Reference
       if (k == 1 && equal) trial.cycles *= span / (times[1] - times[0]);
       trial.end = end_of(trial);
     }
+  } catch (const OverLimit&) {
+    if (!limit.reached()) throw;
+    trial.end = Trial::End::cut;
   } catch (const Diverged&) {
     trial.end = Trial::End::diverged;
   } catch (const BadIntervention&) {
@@ -83,8 +89,9 @@ Trial run(const PlanModel& model, const MethodChoice& candidate, const Reference
 }  // namespace
 
 Trial attempt(const PlanModel& model, const MethodChoice& candidate,
-              const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles) {
-  return run(model, candidate, reference, tolerance.distance, [&](const Trial& trial) {
+              const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles,
+              double cpu_cap) {
+  return run(model, candidate, reference, tolerance.distance, cpu_cap, [&](const Trial& trial) {
     if (!(trial.error <= tolerance.most)) return Trial::End::beyond;
     if (!trial.later.within(reference.most)) return Trial::End::unlike;
     return trial.cycles > most_cycles ? Trial::End::dearer : Trial::End::within;
@@ -92,13 +99,14 @@ Trial attempt(const PlanModel& model, const MethodChoice& candidate,
 }
 
 Trial run_through(const PlanModel& model, const MethodChoice& candidate,
-                  const ReferenceSolution& reference, const Distance& distance) {
-  return run(model, candidate, reference, distance,
+                  const ReferenceSolution& reference, const Distance& distance, double cpu_cap) {
+  return run(model, candidate, reference, distance, cpu_cap,
              [](const Trial&) { return Trial::End::within; });
 }
 
 Search search(std::span<const PlanModel> models, const ReferenceSolution& reference,
-              const Tolerance& tolerance, const std::function<void(std::size_t)>& tried) {
+              const Tolerance& tolerance, const std::function<void(std::size_t)>& tried,
+              const TimeLeft& left) {
   // A few at a time on all cores; earlier results tell which are too dear, so that the outcome is
   // the same on any number of cores.
   constexpr std::size_t kBlock = 4;
@@ -108,13 +116,18 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
   std::size_t done = 0;
 
   const auto run_block = [&](std::vector<Trial>& block) {
+    const double cap = left ? left() : std::numeric_limits<double>::infinity();
+    if (!(cap > 0)) {
+      result.left_out += block.size();
+      block.clear();
+    }
     side_by_side(block.size(), [&](std::size_t i) {
       const auto [m, c] = std::pair(block[i].model, block[i].candidate);
       const MethodChoice& candidate = models[m].candidates[c];
       std::unique_lock lock(alone, std::defer_lock);
       if (find_method(candidate.name)->runs_alone) lock.lock();
       const Tolerance own = tolerance;  // a distance may remember what it was asked last
-      block[i] = attempt(models[m], candidate, reference, own, least);
+      block[i] = attempt(models[m], candidate, reference, own, least, cap);
       block[i].model = m;
       block[i].candidate = c;
     });
@@ -126,6 +139,7 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
         least = trial.cycles;
         result.best = result.trials.size();
       }
+      if (trial.end == Trial::End::cut) ++result.left_out;
       result.trials.push_back(trial);
     }
     tried(done);
@@ -146,7 +160,8 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
       }
       run_block(block);
       for (const Trial& trial : block) {
-        if (trial.end == Trial::End::dearer || trial.end == Trial::End::within) {
+        if (trial.end == Trial::End::dearer || trial.end == Trial::End::within ||
+            trial.end == Trial::End::cut) {
           enough.push_back(trial.candidate);
         }
       }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,6 +27,7 @@ struct Trial {
     unlike,    // the reference solution where that is not predictable
     beyond,    // the tolerance, where it can
     diverged,  // or refused by the method
+    cut,       // by the CPU time that it may take
   };
   std::size_t model = 0, candidate = 0;
   End end = End::within;
@@ -37,6 +39,7 @@ struct Trial {
 struct Search {
   std::vector<Trial> trials;        // one for each candidate that was run, in no certain order
   std::optional<std::size_t> best;  // the cheapest within the tolerance
+  std::size_t left_out = 0;         // candidates that were not run, or cut, for want of time
 };
 
 struct Tolerance {
@@ -44,21 +47,28 @@ struct Tolerance {
   double most = 0;
 };
 
-/// A run to the end, or until it is beyond the tolerance or takes more than `most_cycles` (per
-/// simulated second).
-Trial attempt(const PlanModel& model, const MethodChoice& candidate,
-              const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles);
+/// The CPU time (s) that all work together may still take; asked again and again.
+using TimeLeft = std::function<double()>;
 
-/// A run to the end, whatever its error: within or diverged.
+/// A run to the end, or until it is beyond the tolerance, takes more than `most_cycles` (per
+/// simulated second) or `cpu_cap` (s) of CPU time.
+Trial attempt(const PlanModel& model, const MethodChoice& candidate,
+              const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles,
+              double cpu_cap = std::numeric_limits<double>::infinity());
+
+/// A run to the end, whatever its error: within, diverged or cut.
 Trial run_through(const PlanModel& model, const MethodChoice& candidate,
-                  const ReferenceSolution& reference, const Distance& distance);
+                  const ReferenceSolution& reference, const Distance& distance,
+                  double cpu_cap = std::numeric_limits<double>::infinity());
 
 /// Tries the candidates of every model, the last model first, those of the method that stands first
 /// before all others, until they are beyond the tolerance or dearer than the cheapest within; on
 /// all cores. The numbers of a method's settings must go from cheap to dear: past what is within or
 /// too dear, dearer ones are not run. `tried` is called with the number of candidates so far, now
-/// and then; it may throw to stop.
+/// and then; it may throw to stop. Once no time is left candidates are left out, and those that run
+/// are cut.
 Search search(std::span<const PlanModel> models, const ReferenceSolution& reference,
-              const Tolerance& tolerance, const std::function<void(std::size_t)>& tried);
+              const Tolerance& tolerance, const std::function<void(std::size_t)>& tried,
+              const TimeLeft& left = {});
 
 }  // namespace taut::study

@@ -2,11 +2,14 @@
 
 #include <cmath>
 
+#include "sim/motion/stop.h"
+
 namespace taut::study {
 
 double distance_between(const ReferenceSolution& reference, const World& world,
                         const Timeline& timeline, const MethodChoice& candidate,
-                        const Distance& distance) {
+                        const Distance& distance, double cpu_cap) {
+  const WorkLimit limit({.cpu_time = cpu_cap});
   ComparedRun compared(reference, world, timeline, candidate, distance);
   try {
     for (std::size_t k = 0; k < reference.known; ++k) compared.next();

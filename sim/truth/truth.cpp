@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "sim/run/cpu_time.h"
+#include "sim/motion/stop.h"
 #include "sim/run/simulation.h"
 
 namespace taut::truth {
@@ -42,16 +42,16 @@ Solution run(const World& world, const Solver& solver, const Timeline& timeline,
              const std::function<bool(std::size_t, const Snapshot&)>& enough) {
   Solution solution;
   Simulation simulation(world, make_method(solver.method, solver.settings), timeline);
-  double spent = 0;
+  const WorkLimit limit({.cpu_time = cpu_cap});
   try {
     for (const double time : times) {
-      const double before = thread_seconds();
       simulation.advance_to(time);
-      spent += thread_seconds() - before;
       Snapshot frame = simulation.state();
-      if (spent > cpu_cap || !enough(solution.frames.size(), frame)) break;
+      if (!enough(solution.frames.size(), frame)) break;
       solution.frames.push_back(std::move(frame));
     }
+  } catch (const OverLimit&) {
+    if (!limit.reached()) throw;
   } catch (const Diverged& end) {
     solution.end = end;
   }
@@ -159,8 +159,8 @@ Reference stepped_reference(const World& world, std::span<const double> times, d
                             double scored_error, const Timeline& timeline,
                             const std::function<void()>& tick) {
   const auto solve = [&](double of_step) {
-    constexpr double kNoCap = std::numeric_limits<double>::infinity();
-    Solution solution = run(world, {"direct", {{"step", of_step}}}, timeline, times, kNoCap,
+    constexpr double kCap = 600;  // s
+    Solution solution = run(world, {"direct", {{"step", of_step}}}, timeline, times, kCap,
                             [&](std::size_t, const Snapshot&) {
                               if (tick) tick();
                               return true;

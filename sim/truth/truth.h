@@ -22,7 +22,7 @@ struct TruthOptions {
   double second_accuracy = 1e-10;
   /// Whether nudged starts are followed too; else the horizon is where the two solvers agree.
   bool nudges = true;
-  double cpu_cap = std::numeric_limits<double>::infinity();  // s, of the stepping of each solution
+  double cpu_cap = std::numeric_limits<double>::infinity();  // s, of each solution
 };
 
 /// Options for a truth that tells runs within `scored_error` (m) from others and no more.

@@ -1,4 +1,5 @@
 // taut check: what it says of scenes.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -44,6 +45,55 @@ TEST(Check, SaysWhatANetIs) {
   EXPECT_NE(curtain.output.find("connectors cord to cord#1000: each 1.5 m, 0.03 kg, 31 particles"),
             std::string::npos)
       << curtain.output;
+}
+
+nlohmann::json checked(const std::string& scene) {
+  const Folder folder;
+  folder.write("scene.toml", scene);
+  const ProgramResult outcome = run_taut({"check", "scene.toml", "--json"}, folder.path());
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  return nlohmann::json::parse(outcome.output);
+}
+
+std::string hanging_rope(double duration, int fps, int particles, const std::string& method) {
+  return fmt::format(
+      "duration = {}\nfps = {}\n[method]\n{}\n[connectors.rope]\nlength = 1\nmass = 0.1\n"
+      "particles = {}\nfrom = {{ fixed = [0, 1, 0] }}\nto = {{ free = true }}\n"
+      "start = {{ direction = [1, 0, 0] }}\n",
+      duration, fps, method, particles);
+}
+
+TEST(Check, MeasuresAShortRunToItsEnd) {
+  const nlohmann::json run = checked(hanging_rope(0.1, 50, 5, "name = \"springs\"")).at("simulate");
+  EXPECT_NEAR(run.at("measured_until_s").get<double>(), 0.08, 1e-12);
+  EXPECT_EQ(run.at("at_least"), false);
+  EXPECT_GT(run.at("time_s"), 0);
+}
+
+// A step of the first takes longer than the look may, a frame of the second, the motion of the
+// third.
+TEST(Check, EndsHoweverLongARunTakes) {
+  const nlohmann::json dense =
+      checked(hanging_rope(1, 1, 4000, "name = \"dynamic-constraints\"\nsolver = \"dense\""));
+  EXPECT_EQ(dense.at("simulate").at("at_least"), true);
+  EXPECT_GT(dense.at("simulate").at("time_s"), 1);
+  const nlohmann::json fine = checked(hanging_rope(100, 1, 100, "name = \"impulse\"\nstep = 1e-9"));
+  EXPECT_LT(fine.at("simulate").at("measured_until_s"), 1);
+  EXPECT_GT(fine.at("simulate").at("time_s"), 1000) << "1e11 steps of 100 particles";
+  const nlohmann::json day = checked(hanging_rope(86400, 1000, 200, "name = \"direct\""));
+  EXPECT_GT(day.at("simulate").at("time_s"), 100);
+  for (const nlohmann::json& one : {dense, fine, day}) {
+    ASSERT_EQ(one.at("warnings").size(), 1u) << one.at("warnings");
+    EXPECT_NE(one.at("warnings")[0].get<std::string>().find("left out"), std::string::npos)
+        << one.at("warnings");
+  }
+}
+
+// What takes more memory than a look may is not run at all.
+TEST(Check, SaysWhereTheTimeIsNotKnown) {
+  const nlohmann::json json =
+      checked(hanging_rope(1, 60, 100'000, "name = \"dynamic-constraints\"\nsolver = \"dense\""));
+  EXPECT_TRUE(json.at("simulate").at("time_s").is_null());
 }
 
 TEST(Check, EveryShippedSceneIsGood) {

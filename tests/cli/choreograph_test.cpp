@@ -45,6 +45,18 @@ TEST(Choreograph, WritesAPathThatAllCommandsKnow) {
             std::string::npos);
 }
 
+TEST(Choreograph, EndsWhereItsBudgetDoes) {
+  Folder folder;
+  folder.write("scene.toml", kScene);
+  const ProgramResult outcome =
+      run_taut({"choreograph", "scene.toml", "--budget", "1e-6"}, folder.path());
+  EXPECT_EQ(outcome.code, 2) << outcome.output;
+  EXPECT_NE(outcome.messages.find("no path is found within --budget 1e-06 s of CPU time: 0 of "),
+            std::string::npos)
+      << outcome.messages;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "hand.csv"));
+}
+
 TEST(Choreograph, WritesNothingWhereNoPathComesSoNear) {
   Folder folder;
   const std::string fast =

@@ -28,6 +28,15 @@ class PlanFaults : public testing::Test {
   fs::path scene_ = folder_.write("swing.toml", swing_scene(6.0));
 };
 
+TEST_F(PlanFaults, EndsWhereItsBudgetDoes) {
+  const ProgramResult outcome =
+      run_taut({"plan", "swing.toml", "--tolerance", "0.01mm", "--budget", "0.01"}, folder_.path());
+  EXPECT_EQ(outcome.code, 2) << outcome.output;
+  EXPECT_NE(outcome.messages.find("--budget 0.01: "), std::string::npos) << outcome.messages;
+  EXPECT_NE(outcome.messages.find("% of what there is to compare with"), std::string::npos)
+      << outcome.messages;
+}
+
 TEST_F(PlanFaults, StoppedItLeavesNothingBehind) {
   for (const auto& [signal, code] : {std::pair(SIGINT, 130), {SIGTERM, 143}}) {
     const std::string before = read_file(scene_);

@@ -93,7 +93,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/reference/sdfast", {"sim/motion", "sim/world"}},
     {"sim/reference",
      {"sim/motion", "sim/world", "sim/links", "sim/contact", "sim/run", "sim/reference/sdfast"}},
-    {"sim/truth", {"sim/interventions", "sim/run"}},
+    {"sim/truth", {"sim/motion", "sim/interventions", "sim/run"}},
     {"sim/evaluation",
      {"sim/motion", "sim/world", "sim/topology", "sim/interventions", "sim/measure", "sim/contact",
       "sim/run", "sim/truth"}},

@@ -367,7 +367,7 @@ MethodInfo direct_method() {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)
                                                 : with_finer_steps(number(settings, "tolerance"));
           },
-      .cost = {.memory = 1000, .step = 2e-7},
+      .particle_memory = 1000,
       .steps_as_links = stepped_as_links};
 }
 

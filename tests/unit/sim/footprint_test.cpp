@@ -25,7 +25,7 @@ World rope_of(std::size_t particles) {
 }
 
 /// By how much the peak of a process's memory rises (bytes) while it does that, in one of its own.
-double memory_of(const std::function<void()>& work) {
+double taken_memory(const std::function<void()>& work) {
   malloc_trim(0);  // or the process would take what this one has freed
   int pipe_ends[2];
   if (pipe(pipe_ends) != 0) return -1;
@@ -77,13 +77,13 @@ class Footprint : public testing::Test {
 void expect_within(const MethodInfo& method, const Settings& settings, const World& world) {
   const Settings full = with_defaults(method, settings);
   const auto taken_by = [&](const World& start) {
-    return memory_of([&] {
+    return taken_memory([&] {
       Simulation simulation(start, make_method(method.name, full));
       simulation.advance_to(1e-4);
       simulation.state();
     });
   };
-  const double said = footprint(method, world, full).memory;
+  const double said = memory_of(method, world, full);
   // The pages of the code itself are no part of it.
   const double taken = taken_by(world) - taken_by(rope_of(2));
   EXPECT_LE(taken, said) << method.name;
@@ -106,7 +106,7 @@ TEST_F(Footprint, LastingPinsOneAfterAnotherTakeLittleMore) {
   Connector& rope = world.connectors[0];
   rope.position = hanging_points(rope, Vec3::Zero(), Vec3(0.5, -0.5, 0), world.gravity);
   finish(world);
-  const double taken = memory_of([&] {
+  const double taken = taken_memory([&] {
     Simulation simulation(world, make_method(method.name, {}));
     for (int i = 1; i <= 800; ++i) {
       simulation.advance_to(1e-6 * i);
@@ -115,7 +115,7 @@ TEST_F(Footprint, LastingPinsOneAfterAnotherTakeLittleMore) {
     simulation.advance_to(1e-3);
   });
   constexpr double kPart = 3e4;  // bytes
-  EXPECT_LE(taken, footprint(method, world, with_defaults(method, {})).memory + 800 * kPart);
+  EXPECT_LE(taken, memory_of(method, world, with_defaults(method, {})) + 800 * kPart);
 }
 
 TEST_F(Footprint, GrowsWithTheSquareOfBodiesThatHangFromEachOther) {
@@ -128,7 +128,7 @@ TEST_F(Footprint, OfAWholeMatrixGrowsWithItsSquare) {
   const MethodInfo& method = *find_method("dynamic-constraints");
   expect_within(method, {{"solver", std::string("dense")}}, rope_of(1000));
   const Settings dense = with_defaults(method, {{"solver", std::string("dense")}});
-  EXPECT_GT(footprint(method, rope_of(100'000), dense).memory, 1.7e11);
+  EXPECT_GT(memory_of(method, rope_of(100'000), dense), 1.7e11);
 }
 
 }  // namespace

@@ -213,6 +213,20 @@ TEST_F(Planner, SaysWhereNothingIsNearEnough) {
   EXPECT_FALSE(within(1e-12).best.has_value());
 }
 
+TEST_F(Planner, LeavesOutWhatThereIsNoTimeFor) {
+  const study::Search none = study::search(
+      models_, reference_, {metres, 1e-2}, [](std::size_t) {}, [] { return 0.0; });
+  EXPECT_FALSE(none.best.has_value());
+  EXPECT_TRUE(none.trials.empty());
+  EXPECT_EQ(none.left_out, 3 * models_[0].candidates.size());
+  EXPECT_EQ(within(1e-2).left_out, 0u);
+  // Rather a step that needs far more CPU time than a run may have.
+  const MethodChoice fine{"impulse", {{"step", 1e-7}}};
+  const study::Trial cut =
+      study::attempt(models_[0], fine, reference_, {metres, 1}, INFINITY, 0.01);
+  EXPECT_EQ(cut.end, study::Trial::End::cut);
+}
+
 TEST_F(Planner, MayBeStopped) {
   int tried = 0;
   EXPECT_THROW(study::search(models_, reference_, {metres, 1},
