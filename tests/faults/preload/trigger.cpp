@@ -18,8 +18,8 @@ namespace {
 
 /// Libraries that do for the program what it would do itself. A graphics driver is not among them:
 /// what it makes of a failure is not the program's.
-constexpr const char* kOurs[] = {"libtaut_faults", "libstdc++",  "libfmt",     "libc.",
-                                 "libpng",         "libdeflate", "libfreetype"};
+constexpr const char* kOurs[] = {"libtaut_faults", "libstdc++", "libfmt",     "libc.",
+                                 "libpng",         "libjpeg",   "libdeflate", "libfreetype"};
 
 struct Range {
   std::uintptr_t begin, end, base;
