@@ -1,10 +1,12 @@
-// Captions: a quiet line of text at the lower left, within the title-safe nine tenths of the
-// picture. A soft shadow of the letters sets it off from whatever is behind.
+// Captions: quiet lines of text at the lower left, within the title-safe nine tenths of the
+// picture. A soft shadow of the letters sets them off from whatever is behind.
 #pragma once
 
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "render/picture/text.h"
 #include "scenes/scene/stage.h"
@@ -19,9 +21,15 @@ struct Playing {
 };
 
 /// Draws the captions that are on: softly come, softly gone, but not at a cut. Captions too short
-/// to be read, of less than 0.45 s of the clip, are left out.
+/// to be read, of less than 0.45 s of the clip, are left out. A newline breaks the line. Captions
+/// at the same time are stacked, from the bottom up in the order in which they come, and each keeps
+/// its height while it is on.
 void draw_captions(picture::Picture& picture, picture::Font& font,
                    std::span<const scenes::Caption> captions, const Playing& playing);
+
+/// Which characters of captions and cards their fonts lack: a sentence for each caption and card.
+/// Throws std::runtime_error where a font is missing.
+std::vector<std::string> missing_glyphs(const scenes::Stage& stage);
 
 /// Draws a small line at the upper left, as long as it is asked for.
 void draw_note(picture::Picture& picture, picture::Font& font, std::string_view text);

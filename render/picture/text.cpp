@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <new>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace taut::picture {
@@ -48,6 +49,17 @@ std::vector<char32_t> code_points(std::string_view text) {
   return points;
 }
 
+/// Unicode's Default_Ignorable_Code_Point: without ink where a font does not know them.
+bool asks_for_no_ink(char32_t point) {
+  constexpr std::pair<char32_t, char32_t> kRanges[] = {
+      {0xad, 0xad},       {0x34f, 0x34f},    {0x61c, 0x61c},   {0x115f, 0x1160}, {0x17b4, 0x17b5},
+      {0x180b, 0x180f},   {0x200b, 0x200f},  {0x202a, 0x202e}, {0x2060, 0x206f}, {0x3164, 0x3164},
+      {0xfe00, 0xfe0f},   {0xfeff, 0xfeff},  {0xffa0, 0xffa0}, {0xfff0, 0xfff8}, {0x1bca0, 0x1bca3},
+      {0x1d173, 0x1d17a}, {0xe0000, 0xe0fff}};
+  return std::ranges::any_of(
+      kRanges, [&](const auto& range) { return point >= range.first && point <= range.second; });
+}
+
 }  // namespace
 
 struct Font::Face {
@@ -83,7 +95,8 @@ struct Font::Face {
     FT_Set_Char_Size(face, 0, FT_F26Dot6(std::lround(size * 64)), 72, 72);
     FT_UInt previous = 0;
     for (const char32_t point : code_points(text)) {
-      const FT_UInt glyph = FT_Get_Char_Index(face, point);
+      if (asks_for_no_ink(point)) continue;
+      const FT_UInt glyph = FT_Get_Char_Index(face, point == U'\t' ? U' ' : point);
       FT_Vector kern{};
       if (previous && glyph) FT_Get_Kerning(face, previous, glyph, FT_KERNING_UNFITTED, &kern);
       x += double(kern.x) / 64;
@@ -112,6 +125,16 @@ Font::Font(Weight weight, Family family) : face_(std::make_unique<Face>()) {
 }
 
 Font::~Font() = default;
+
+std::vector<char32_t> Font::missing(std::string_view text) const {
+  std::vector<char32_t> found;
+  for (const char32_t point : code_points(text)) {
+    if (point == U'\n' || point == U'\t' || asks_for_no_ink(point)) continue;
+    if (FT_Get_Char_Index(face_->face, point) != 0) continue;
+    if (std::ranges::find(found, point) == found.end()) found.push_back(point);
+  }
+  return found;
+}
 
 double Font::width(std::string_view text, double size) {
   return face_->lay_out(text, size, 0, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP,

@@ -51,7 +51,7 @@ const TableFormat& stage_format() {
                                               "only where it is open; default: false."}}};
   static const TableFormat caption{{needed(not_negative("from", "When it appears.", "s")),
                                     needed(positive("until", "When it goes.", "s")),
-                                    needed(text("text", "What it says.")),
+                                    needed(text("text", "What it says; a newline breaks the line.")),
                                     text("list",
                                          "Captions of one list have what follows a tab in "
                                          "one column.")}};

@@ -73,6 +73,51 @@ TEST_F(CaptionTest, WhatFollowsATabBeginsInOneColumnThroughoutAList) {
   EXPECT_LT(begins(alone, 1.5), begins(alone, 2.5));
 }
 
+TEST_F(CaptionTest, NewlinesBreakTheLineAndCaptionsAtOneTimeAreStacked) {
+  // The rows of the picture that have letters, as ranges from the bottom up.
+  const auto bands = [&](const std::vector<scenes::Caption>& captions, double time) {
+    picture::Picture picture = filled(0);
+    film::draw_captions(picture, font_, captions, {.time = time});
+    std::vector<std::pair<int, int>> found;
+    bool before = false;
+    for (int y = picture.height - 1; y >= 0; --y) {
+      bool lit = false;
+      for (int x = 0; x < picture.width; ++x) lit = lit || picture.at(x, y)[0] > 60;
+      if (lit && !before) found.emplace_back(y, y);
+      if (lit) found.back().second = y;
+      before = lit;
+    }
+    return found;
+  };
+  const auto one = bands({{0, 9, "H", ""}}, 5), two = bands({{0, 9, "H\nH", ""}}, 5);
+  ASSERT_EQ(one.size(), 1u);
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[0], one[0]) << "the last line is where a single one is";
+  EXPECT_EQ(bands({{0, 9, "H\r\nH", ""}}, 5), two);
+  EXPECT_EQ(bands({{0, 9, "H", ""}, {0, 9, "H", ""}}, 5), two) << "one above the other";
+  EXPECT_EQ(bands({{0, 9, "H\nH", ""}, {1, 9, "H", ""}}, 5).size(), 3u);
+  // The upper one stays where it is when the lower one goes, and the next takes its place.
+  const std::vector<scenes::Caption> turns = {{0, 3, "H", ""}, {1, 9, "H", ""}, {3, 9, "H", ""}};
+  EXPECT_EQ(bands(turns, 2), two);
+  EXPECT_EQ(bands(turns, 5), two);
+  EXPECT_EQ(bands({{0, 3, "H", ""}, {1, 9, "H", ""}}, 5), (std::vector{two[1]}));
+  EXPECT_EQ(bands({{0, 3, "H", ""}, {3, 9, "H", ""}}, 5), one) << "one after the other";
+}
+
+TEST_F(CaptionTest, CharactersWithoutInkAreNotDrawnAndThoseWithoutAGlyphAreNamed) {
+  EXPECT_EQ(font_.width("a\u200bb\u00adc\ufe0f", 20), font_.width("abc", 20));
+  EXPECT_EQ(font_.missing("Gr\u00fc\u00dfe\n\t\u200b\u00ad\ufe0f"), std::vector<char32_t>());
+  EXPECT_EQ(font_.missing("a\u53cc\u53ccb\u7bc0\x1b"),
+            (std::vector<char32_t>{U'\u53cc', U'\u7bc0', U'\x1b'}));
+  scenes::Stage stage;
+  stage.captions = {{0, 1, "abc", ""}, {0, 1, "\u53cc", ""}};
+  stage.end = {.duration = 1, .heading = "a", .text = "\u7bc0"};
+  EXPECT_EQ(film::missing_glyphs(stage),
+            (std::vector<std::string>{
+                "caption 2: the font has no glyph for \"\u53cc\" (U+53CC)",
+                "text of the end card: the font has no glyph for \"\u7bc0\" (U+7BC0)"}));
+}
+
 TEST_F(CaptionTest, IsReadOnWhiteAndDarkensNothingFartherThanALetter) {
   picture::Picture picture = filled(255);
   film::draw_captions(picture, font_, one_, {.time = 1.5});
