@@ -8,9 +8,9 @@
 
 #include <cerrno>
 #include <cstring>
-#include <mutex>
 
 #include "render/base/error.h"
+#include "render/base/interrupt.h"
 
 namespace taut::render {
 
@@ -52,20 +52,9 @@ bool is_standard_output(const std::filesystem::path& name) {
   return same_file(STDOUT_FILENO, name);
 }
 
-namespace {
-
-std::mutex list_mutex;
-AtomicFile* list = nullptr;
-
-}  // namespace
-
 AtomicFile::AtomicFile(std::filesystem::path name, Unopened)
     : name_(std::move(name)), part_(name_) {
   part_ += ".part";
-  const std::lock_guard lock(list_mutex);
-  next_ = list;
-  if (next_) next_->before_ = this;
-  list = this;
 }
 
 // The destructor also runs where this body throws.
@@ -76,7 +65,10 @@ AtomicFile::AtomicFile(std::filesystem::path name) : AtomicFile(std::move(name),
   }
   if (std::filesystem::is_other(name_, error)) {
     in_place_ = true;
-    file_ = open(name_.c_str(), O_WRONLY | O_CLOEXEC);
+    // A pipe is opened when somebody reads it.
+    while ((file_ = open(name_.c_str(), O_WRONLY | O_CLOEXEC)) < 0 && errno == EINTR) {
+      stop_if_interrupted();
+    }
     if (file_ < 0) fail("cannot be opened");
     return;
   }
@@ -94,25 +86,14 @@ AtomicFile::AtomicFile(std::filesystem::path name) : AtomicFile(std::move(name),
     file_ = -1;
     throw CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
   }
+  unfinished_.emplace(part_);
   if (ftruncate(file_, 0) != 0) fail("cannot be emptied");
 }
 
 AtomicFile::~AtomicFile() {
-  {
-    const std::lock_guard lock(list_mutex);
-    (before_ ? before_->next_ : list) = next_;
-    if (next_) next_->before_ = before_;
-  }
   if (file_ < 0) return;
   if (!in_place_) unlink(part_.c_str());
   close(file_);
-}
-
-void AtomicFile::remove_all() noexcept {
-  const std::lock_guard lock(list_mutex);
-  for (const AtomicFile* file = list; file; file = file->next_) {
-    if (file->file_ >= 0 && !file->in_place_) unlink(file->part_.c_str());
-  }
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -130,6 +111,7 @@ void AtomicFile::commit() {
     }
     if (fsync(file_) != 0) fail("cannot be written");
     if (rename(part_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
+    unfinished_.reset();  // before the lock goes: another run may make such a file then
   }
   close(file_);
   file_ = -1;

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string_view>
+
+#include "render/base/leftovers.h"
 
 namespace taut::render {
 
@@ -27,10 +30,6 @@ class AtomicFile {
   /// Puts the bytes on the disk and then the file under its name. Throws CannotWrite.
   void commit();
 
-  /// Removes what all of the process have written and not committed, for an end without
-  /// destructors. Takes no memory.
-  static void remove_all() noexcept;
-
  private:
   struct Unopened {};
   AtomicFile(std::filesystem::path name, Unopened);
@@ -39,7 +38,7 @@ class AtomicFile {
   std::filesystem::path name_, part_;
   int file_ = -1;
   bool in_place_ = false;
-  AtomicFile *before_ = nullptr, *next_ = nullptr;  // in the list of all
+  std::optional<UnfinishedFile> unfinished_;
 };
 
 /// Writes `bytes` to standard output, all of them. Throws CannotWrite.

@@ -10,10 +10,12 @@
 #include <cerrno>
 #include <csignal>
 #include <ctime>
+#include <optional>
 #include <system_error>
 #include <thread>
 
 #include "render/base/interrupt.h"
+#include "render/base/leftovers.h"
 
 namespace taut::render {
 namespace {
@@ -60,7 +62,8 @@ class MemoryFile {
 
 /// The child's work between the fork and the program: only calls that are safe there, as other
 /// threads may have held any lock. Ends with errno in `failure` where there is no such program.
-[[noreturn]] void become(char* const* arguments, const int (&files)[3], pid_t parent, int failure) {
+[[noreturn]] void become(char* const* arguments, const char* folder, const int (&files)[3],
+                         pid_t parent, int failure) {
   // The kernel ends the child with the thread that made it; a parent that is gone by now never
   // will.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -68,7 +71,7 @@ class MemoryFile {
   for (int i = 0; i < 3; ++i) {
     if (files[i] != i) dup2(files[i], i);
   }
-  execvp(arguments[0], arguments);
+  if (!*folder || chdir(folder) == 0) execvp(arguments[0], arguments);
   const int error = errno;
   [[maybe_unused]] const ssize_t told = write(failure, &error, sizeof error);
   _exit(127);
@@ -77,7 +80,8 @@ class MemoryFile {
 /// A child process; it outlives neither this nor the thread that made it, however that ends.
 class Child {
  public:
-  Child(const std::vector<std::string>& arguments, int in, int out, int err) {
+  Child(const std::vector<std::string>& arguments, const std::filesystem::path& folder, int in,
+        int out, int err) {
     std::vector<char*> argv;
     for (const std::string& argument : arguments)
       argv.push_back(const_cast<char*>(argument.c_str()));
@@ -87,7 +91,7 @@ class Child {
     const pid_t parent = getpid();
     id_ = fork();
     const int fork_error = errno;
-    if (id_ == 0) become(argv.data(), {in, out, err}, parent, failure[1]);
+    if (id_ == 0) become(argv.data(), folder.c_str(), {in, out, err}, parent, failure[1]);
     close(failure[1]);
     int error = id_ < 0 ? fork_error : 0;
     if (id_ > 0) {
@@ -95,22 +99,33 @@ class Child {
       }
     }
     close(failure[0]);
-    if (error == 0) return;
+    if (error == 0) {
+      running_.emplace(id_);
+      return;
+    }
     if (id_ > 0) waitpid(id_, &status_, 0);
     fail(error, "cannot start " + arguments[0]);
   }
   ~Child() {
     if (ended_) return;
     kill();
+    running_.reset();
     waitpid(id_, &status_, 0);
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
   bool ended() {
-    const pid_t id = waitpid(id_, &status_, WNOHANG);
-    if (id < 0 && errno != EINTR) fail(errno, "cannot wait for a child process");
-    return ended_ = id == id_;
+    siginfo_t info{};
+    const auto id = static_cast<id_t>(id_);
+    if (waitid(P_PID, id, &info, WEXITED | WNOHANG | WNOWAIT) != 0) {
+      if (errno == EINTR) return false;
+      fail(errno, "cannot wait for a child process");
+    }
+    if (info.si_pid != id_) return false;
+    running_.reset();
+    waitpid(id_, &status_, 0);
+    return ended_ = true;
   }
   void kill() const { ::kill(id_, SIGKILL); }
   /// CPU time of all its threads, s.
@@ -124,6 +139,7 @@ class Child {
 
  private:
   pid_t id_ = 0;
+  std::optional<RunningChild> running_;
   int status_ = 0;
   bool ended_ = false;
 };
@@ -131,11 +147,11 @@ class Child {
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
-                      std::chrono::milliseconds patience) {
+                      std::chrono::milliseconds patience, const std::filesystem::path& folder) {
   using Clock = std::chrono::steady_clock;
   MemoryFile in, out, err;
   in.put(input);
-  Child child(arguments, in.descriptor(), out.descriptor(), err.descriptor());
+  Child child(arguments, folder, in.descriptor(), out.descriptor(), err.descriptor());
   std::string blocked;
   auto last_work = Clock::now();
   double work = 0;

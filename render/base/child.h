@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,13 @@ struct ChildResult {
 /// A child that sits and does nothing for so long is taken to be blocked.
 constexpr std::chrono::milliseconds kPatience = std::chrono::minutes(1);
 
-/// Runs `arguments[0]`, found on the PATH and with no shell between, on `input`, and waits for its
-/// end. Input and output live in memory files, so neither side can block the other. A child that
-/// uses no CPU time for `patience` is killed, and its errors say so; one whose parent dies is
-/// killed by the kernel. Throws std::system_error where the program cannot be started, and
-/// Interrupted, the child killed.
+/// Runs `arguments[0]`, found on the PATH and with no shell between, on `input` in `folder` (empty:
+/// the present one), and waits for its end. Input and output live in memory files, so neither side
+/// can block the other. A child that uses no CPU time for `patience` is killed, and its errors say
+/// so; one whose parent dies is killed by the kernel. Throws std::system_error where the program
+/// cannot be started, and Interrupted, the child killed.
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
-                      std::chrono::milliseconds patience = kPatience);
+                      std::chrono::milliseconds patience = kPatience,
+                      const std::filesystem::path& folder = {});
 
 }  // namespace taut::render

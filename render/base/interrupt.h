@@ -1,5 +1,6 @@
-// Stopping on Ctrl-C and SIGTERM: the handlers only leave a note, which long work looks at between
-// two pieces, so that destructors run and nothing half-written stays behind.
+// Stopping on Ctrl-C and SIGTERM: the handlers leave a note, which long work looks at between two
+// pieces, so that destructors run. Where the work does not look in time, the process ends without
+// them, and leaves nothing half-written either.
 #pragma once
 
 #include <exception>
@@ -14,8 +15,10 @@ class Interrupted : public std::exception {
   int signal;  // SIGINT or SIGTERM
 };
 
-/// Notes SIGINT and SIGTERM from now on; a second one of the same kind ends the process at once.
-/// SIGPIPE and SIGXFSZ are ignored, so that writing reports EPIPE and EFBIG instead.
+/// Notes SIGINT and SIGTERM from now on. The process ends 0.7 s after the first of them, or at a
+/// second one that comes a tenth of a second or more after it, with the code 128 + its number and
+/// without what remove_leftovers() removes. SIGPIPE and SIGXFSZ are ignored, so that writing
+/// reports EPIPE and EFBIG instead.
 void catch_interrupts();
 
 /// The signal that came, or 0.

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <random>
 
+#include "render/base/atomic_file.h"
 #include "render/base/error.h"
 
 namespace taut::render {
@@ -49,7 +50,10 @@ PartFile::PartFile(fs::path name) : name_(std::move(name)) {
   lock_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   // Another run may take the file for a leftover before it is locked: then the name is free, and
   // the program that is to write there makes it again.
-  if (lock_ >= 0 && flock(lock_, LOCK_EX) == 0) return;
+  if (lock_ >= 0 && flock(lock_, LOCK_EX) == 0) {
+    unfinished_.emplace(part_);
+    return;
+  }
   const int cause = errno;
   if (lock_ >= 0) {
     unlink(part_.c_str());
@@ -64,10 +68,18 @@ PartFile::~PartFile() {
   close(lock_);
 }
 
+int PartFile::why_full() const {
+  const off_t size = lseek(lock_, 0, SEEK_END);
+  const bool grows = size >= 0 && write_all(lock_, std::string_view("", 1)) &&
+                     ftruncate(lock_, size) == 0 && fsync(lock_) == 0;
+  return grows ? 0 : errno;
+}
+
 void PartFile::commit() {
   std::error_code error;
   fs::rename(part_, name_, error);
   if (error) throw CannotWrite(fmt::format("{}: {}", name_.string(), error.message()));
+  unfinished_.reset();
   part_.clear();
 }
 

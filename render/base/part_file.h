@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "render/base/leftovers.h"
 
 namespace taut::render {
 
@@ -18,11 +21,17 @@ class PartFile {
 
   const std::filesystem::path& path() const { return part_; }
 
+  /// The error number for what the file lacks (ENOSPC, EDQUOT, EFBIG, EIO), or 0. A file that was
+  /// cut short by a full disk or a limit cannot take one more byte: that is tried, and undone.
+  /// Bytes that are there go to the disk.
+  int why_full() const;
+
   /// Throws CannotWrite.
   void commit();
 
  private:
   std::filesystem::path name_, part_;
+  std::optional<UnfinishedFile> unfinished_;
   int lock_ = -1;  // open while the run lives: by it others know the file for no leftover
 };
 

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "sim/motion/printable.h"
+
 namespace taut::chart {
 namespace {
 
@@ -67,7 +69,11 @@ std::string to_csv(const Table& table) {
   return out;
 }
 
-std::string to_text(const Table& table) {
+std::string to_text(const Table& any) {
+  Table table = any;
+  for (std::string& name : table.columns) name = printable(name);
+  for (auto& row : table.rows)
+    for (std::string& cell : row) cell = printable(cell);
   std::vector<std::size_t> widths(table.columns.size());
   std::vector<bool> right(table.columns.size());
   for (std::size_t i = 0; i < widths.size(); ++i) {

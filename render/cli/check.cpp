@@ -11,12 +11,14 @@
 #include "render/base/bounded.h"
 #include "render/cli/check_connectors.h"
 #include "render/cli/check_time.h"
+#include "render/film/caption.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
 #include "render/plan/plan_table.h"
 #include "render/program/command.h"
 #include "render/program/json.h"
+#include "render/program/output.h"
 #include "render/program/program.h"
 #include "scenes/files/error.h"
 #include "scenes/format/schema.h"
@@ -26,6 +28,7 @@
 #include "scenes/load/plan_file.h"
 #include "scenes/load/warnings.h"
 #include "scenes/scene/names.h"
+#include "sim/motion/printable.h"
 #include "sim/motion/stop.h"
 
 namespace taut::cli {
@@ -355,10 +358,15 @@ int check(const std::string& file, const std::vector<std::string>& set, double s
   Known known;
   known.scene = scenes::load_scene(file, true, changes);
   known.staged = known.scene.stage.has_value();
+  if (known.staged) {
+    for (std::string& lacks : film::missing_glyphs(*known.scene.stage)) {
+      known.warnings.push_back(std::move(lacks));
+    }
+  }
   known.time = time_of_run(known.scene, changes, started);
   render::write_output(looked_at(known, changes, [&](const Known& found) {
-    return common.json ? as_json(found, common.threads).dump(2) + '\n'
-                       : as_text(found, common.threads);
+    return common.json ? program::json_text(as_json(found, common.threads)) + '\n'
+                       : printable_lines(as_text(found, common.threads));
   }));
   return program::kDone;
 }
@@ -369,8 +377,9 @@ int run(const Options& options, const program::Common& common) {
     return program::kDone;
   }
   if (!options.plans.empty()) {
-    render::write_output(common.json ? planning::plans_json(options.plans).dump(2) + '\n'
-                                     : chart::to_markdown(planning::plan_table(options.plans)));
+    render::write_output(common.json
+                             ? program::json_text(planning::plans_json(options.plans)) + '\n'
+                             : chart::to_markdown(planning::plan_table(options.plans)));
     return program::kDone;
   }
   if (options.inputs.scenes.empty()) {

@@ -10,7 +10,9 @@
 #include "render/base/atomic_file.h"
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
+#include "render/program/json.h"
 #include "render/program/note.h"
+#include "render/program/output.h"
 #include "render/program/progress.h"
 #include "scenes/load/load_scene.h"
 #include "sim/choreography/choreography.h"
@@ -92,7 +94,7 @@ std::string as_json(const Options& options, const Certificate& found,
     json["waypoints"].push_back(
         {{"t_s", asked.problem.waypoints[k].time}, {"missed_by_m", found.misses[k]}});
   }
-  return json.dump(2) + '\n';
+  return program::json_text(json) + '\n';
 }
 
 /// In a world whose hand has its path.
@@ -139,8 +141,11 @@ int run(const Options& options, const program::Common& common) {
   const fs::path file = options.out.empty() ? asked->file : fs::path(options.out);
   if (options.as_it_stands) {
     const Certificate found = certify_scene(options, *asked);
-    render::write_output(common.json ? as_json(options, found, *asked, asked->file)
-                                     : as_text(found, *asked));
+    if (common.json) {
+      render::write_output(as_json(options, found, *asked, asked->file));
+    } else {
+      program::write_text(as_text(found, *asked));
+    }
     return found.worst() <= asked->within ? program::kDone : program::kUsage;
   }
   render::AtomicFile output(file);
@@ -149,8 +154,11 @@ int run(const Options& options, const program::Common& common) {
       *asked, choreography::with_hand_path(asked->problem.world, asked->problem.body, keys));
   const std::size_t before =
       choreography::hand_path(asked->problem.world, asked->problem.body)->keys().size();
-  render::write_output(common.json ? as_json(options, found, *asked, file)
-                                   : as_text(found, *asked));
+  if (common.json) {
+    render::write_output(as_json(options, found, *asked, file));
+  } else {
+    program::write_text(as_text(found, *asked));
+  }
   if (!(found.worst() <= asked->within)) {
     throw program::Misuse(fmt::format(
         "{}: comes within {:.2f} mm, asked for {:g} mm; {} is not written. More time between the "

@@ -7,6 +7,7 @@
 
 #include "render/base/atomic_file.h"
 #include "render/program/command.h"
+#include "render/program/json.h"
 #include "render/program/terminal.h"
 #include "render/study/evidence.h"
 
@@ -193,7 +194,7 @@ int run(const Options& options, const program::Common& common) {
       json["claims"].push_back(
           {{"claim", row[0]}, {"where", row[1]}, {"outcome", row[2]}, {"measured", row[3]}});
     }
-    render::write_output(json.dump(2) + "\n");
+    render::write_output(program::json_text(json) + "\n");
   } else {
     render::write_output(options.markdown ? chart::to_markdown(table) : program::table_text(table));
   }

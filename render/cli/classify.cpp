@@ -177,7 +177,7 @@ int run(const Options& options, const program::Common& common) {
   }
   if (!options.study.out.empty())
     options::write_csv(table, std::filesystem::path(options.study.out) / "classify");
-  render::write_output(common.json        ? json.dump(2) + "\n"
+  render::write_output(common.json        ? program::json_text(json) + "\n"
                        : options.markdown ? chart::to_markdown(table)
                                           : program::table_text(table));
   return program::kDone;

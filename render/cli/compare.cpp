@@ -69,7 +69,7 @@ std::string report(const Options& options, const scenes::Scene& scene,
          {"cpu_us_per_frame", program::number_or_null(1e6 * method.cpu)}});
   }
   if (!video.empty()) json["video"] = video;
-  return json.dump(2) + "\n";
+  return program::json_text(json) + "\n";
 }
 
 int compare(const program::Common& common, const Options& options) {

@@ -18,11 +18,12 @@
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
+#include "render/program/json.h"
 #include "render/program/note.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
-#include "scenes/files/printable.h"
 #include "scenes/scene/scene.h"
+#include "sim/motion/printable.h"
 
 namespace taut::cli {
 namespace export_command {
@@ -107,8 +108,7 @@ void tell_textures(const scenes::Stage& stage) {
   for (const auto* models : {&stage.scenery, &stage.body_models, &stage.characters}) {
     for (const auto& model : *models) {
       if (model && !model->textures.empty() && told.insert(model->name).second) {
-        program::note("warning: {}: its textures are not exported\n",
-                      scenes::printable(model->name));
+        program::note("warning: {}: its textures are not exported\n", printable(model->name));
       }
     }
   }
@@ -162,7 +162,7 @@ int run(const Options& options, const program::Common& common) {
         {"fps", scene.fps}};
     for (const auto& figure : figures)
       std::visit([&](auto number) { json[figure.first] = number; }, figure.second);
-    render::write_output(json.dump(2) + '\n');
+    render::write_output(program::json_text(json) + '\n');
     return program::kDone;
   }
   render::write_output(name + '\n');

@@ -10,6 +10,8 @@
 #include "render/golden/golden_page.h"
 #include "render/options/method_options.h"
 #include "render/program/command.h"
+#include "render/program/json.h"
+#include "render/program/output.h"
 #include "render/program/progress.h"
 
 namespace taut::cli {
@@ -79,8 +81,8 @@ int check(clips::Goldens& goldens, const fs::path& out, const program::Common& c
     }
   }
   const std::string report =
-      Json({{"failed", failures.size()}, {"frames", frames}, {"trajectories", trajectories}})
-          .dump(2) +
+      program::json_text(
+          Json({{"failed", failures.size()}, {"frames", frames}, {"trajectories", trajectories}})) +
       "\n";
   clips::write_text(out / "report.json", report);
   if (failures.empty()) {
@@ -95,7 +97,11 @@ int check(clips::Goldens& goldens, const fs::path& out, const program::Common& c
   text += failures.empty() ? fmt::format("{} as kept\n", all)
                            : fmt::format("{} of {} differ: {}\n", failures.size(), all,
                                          (out / "index.html").string());
-  render::write_output(common.json ? report : text);
+  if (common.json) {
+    render::write_output(report);
+  } else {
+    program::write_text(text);
+  }
   return failures.empty() ? program::kDone : program::kGoldenDiffers;
 }
 
@@ -120,7 +126,11 @@ int run(const Options& options, const program::Common& common) {
     took_over(frame.name, goldens.accept(frame, options.simulate));
   for (const scenes::GoldenTrajectory& trajectory : goldens.trajectories())
     took_over(trajectory.name, goldens.accept(trajectory, options.simulate));
-  render::write_output(common.json ? Json({{"accepted", accepted}}).dump(2) + "\n" : text);
+  if (common.json) {
+    render::write_output(program::json_text(Json({{"accepted", accepted}})) + "\n");
+  } else {
+    program::write_text(text);
+  }
   return program::kDone;
 }
 

@@ -12,6 +12,7 @@
 #include "render/plan/make_plan.h"
 #include "render/plan/plan_report.h"
 #include "render/program/command.h"
+#include "render/program/output.h"
 #include "render/study/study_target.h"
 #include "scenes/files/regular_file.h"
 #include "scenes/load/load_scene.h"
@@ -116,7 +117,11 @@ int run(const Options& options, const program::Common& common) {
   const planning::Planned planned = planning::make_plan(scene, changes, asked, options.tolerance,
                                                         stamp, options.budget, common.quiet);
   if (file) file->write(planned.plan);
-  render::write_output(common.json ? planning::plan_json(planned) : planning::plan_text(planned));
+  if (common.json) {
+    render::write_output(planning::plan_json(planned));
+  } else {
+    program::write_text(planning::plan_text(planned));
+  }
   return program::kDone;
 }
 

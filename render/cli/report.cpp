@@ -124,7 +124,7 @@ int run(const options::StudyOptions& options, const program::Common& common) {
   program::Json json = {
       {"report", file.string()}, {"bytes", page.size()}, {"machine", options::machine()}};
   for (const report::SceneReport& report : reports) json["scenes"].push_back(json_of(report));
-  render::write_output(common.json ? json.dump(2) + "\n" : file.string() + "\n");
+  render::write_output(common.json ? program::json_text(json) + "\n" : file.string() + "\n");
   return program::kDone;
 }
 

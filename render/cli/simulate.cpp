@@ -166,7 +166,7 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
   json["energy_scale"] = report.energy_scale;
   estimate.add_to(json);
   json["state_hash"] = fmt::format("{:016x}", state_hash(simulation.world()));
-  return json.dump(2) + '\n';
+  return program::json_text(json) + '\n';
 }
 
 /// Several scenes share a folder.
@@ -188,7 +188,7 @@ int score(const scenes::Scene& scene, const Options& options, const program::Com
   if (!common.quiet) program::note("solving the truth\n");
   const program::Json json = report::run_score(scene, *options.score);
   if (common.json) {
-    render::write_output(json.dump(2) + "\n");
+    render::write_output(program::json_text(json) + "\n");
     return program::kDone;
   }
   const auto value = [&](const char* key) {
@@ -222,7 +222,7 @@ int run(const Options& options, const program::Common& common) {
   if (common.json) render::write_output(json_text(scene, simulation, report, estimate));
   if (!csv.empty() && !common.quiet) {
     program::note("{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name,
-                  estimate.line());
+                  program::Lines{estimate.line()});
   }
   return program::kDone;
 }

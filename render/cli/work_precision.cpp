@@ -37,7 +37,7 @@ int run(const Options& options, const program::Common& common) {
     program::Json json = {{"machine", options::machine()}, {"scenes", program::Json::array()}};
     for (const studies::AccuracyStudy& study : studies)
       json["scenes"].push_back(studies::work_precision_json(study, options.errors));
-    render::write_output(json.dump(2) + "\n");
+    render::write_output(program::json_text(json) + "\n");
     return program::kDone;
   }
   std::string output;

@@ -10,6 +10,7 @@
 #include "render/draw/shading/shadow_cover.h"
 #include "render/draw/stage_parts.h"
 #include "sim/motion/hash.h"
+#include "sim/motion/stop.h"
 
 namespace taut::draw {
 namespace {
@@ -290,6 +291,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
     const auto draw = [&, grade, lowest, shaded, part, count](int i) {
+      check_stop();
       const FrameState& instant = shown_at(shutter, i, count);
       d.parts.pose(instant);
       std::vector<DrawItem> shown, casters;

@@ -176,6 +176,7 @@ void FrameFolder::write(const Job& job) {
 void FrameFolder::take(int frame, const Entry& entry, const std::filesystem::path& from) {
   std::filesystem::path half = file(frame);
   half += ".part";
+  const render::UnfinishedFile unfinished(half);
   render::remove_output(half);
   std::error_code error;
   // Files of frames are replaced, never written to: two folders may share one.

@@ -313,7 +313,7 @@ std::string plan_json(const Planned& planned) {
   for (const auto& row : left_out(planned).rows) {
     json["left_out"].push_back({{"model", row[0]}, {"method", row[1]}, {"outcome", row[2]}});
   }
-  return json.dump(2) + "\n";
+  return program::json_text(json) + "\n";
 }
 
 }  // namespace taut::planning

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/program/exit_code.h"
+#include "sim/motion/printable.h"
 
 namespace CLI {
 class App;
@@ -26,7 +27,7 @@ struct Common {
 /// Options that parse but make no sense together or for this scene: exit code 2.
 class Misuse : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Misuse(const std::string& message) : std::runtime_error(printable(message)) {}
 };
 
 /// Filled while options are parsed; run() does the chosen command's work and returns an exit code.

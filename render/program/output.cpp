@@ -1,6 +1,12 @@
 #include "render/program/output.h"
 
+#include "sim/motion/printable.h"
+
 namespace taut::program {
+
+void write_text(std::string_view text) {
+  render::write_output(printable_lines(text));
+}
 
 bool to_standard_output(const std::string& name) {
   return name == "-" || render::is_standard_output(name);

@@ -27,6 +27,10 @@ class Output {
   std::uint64_t written_ = 0;
 };
 
+/// Writes a result in words to standard output: names with escapes (see printable_lines()). Throws
+/// CannotWrite.
+void write_text(std::string_view text);
+
 /// True where such an output goes to standard output.
 bool to_standard_output(const std::string& name);
 

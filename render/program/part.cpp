@@ -10,6 +10,7 @@
 #include "render/base/atomic_file.h"
 #include "render/base/error.h"
 #include "render/base/interrupt.h"
+#include "render/program/json.h"
 #include "render/program/note.h"
 #include "render/program/progress.h"
 
@@ -164,7 +165,7 @@ int say_part_done(const PartOptions& part, const fs::path& path, std::size_t pie
                   const Common& common) {
   const nlohmann::ordered_json report = {
       {"part", part.number}, {"parts", part.count}, {"pieces", pieces}, {"path", path.string()}};
-  render::write_output(common.json ? report.dump(2) + "\n" : path.string() + "\n");
+  render::write_output(common.json ? json_text(report) + "\n" : path.string() + "\n");
   return kDone;
 }
 

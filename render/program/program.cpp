@@ -9,6 +9,7 @@
 #include <exception>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -17,15 +18,19 @@
 #include "render/base/atomic_file.h"
 #include "render/base/error.h"
 #include "render/base/interrupt.h"
+#include "render/base/leftovers.h"
 #include "render/base/version.h"
 #include "render/program/command.h"
 #include "render/program/help.h"
+#include "render/program/json.h"
 #include "render/program/note.h"
 #include "render/program/progress.h"
 #include "render/program/terminal.h"
 #include "scenes/files/error.h"
 #include "scenes/format/document.h"
 #include "sim/interventions/timeline.h"
+#include "sim/motion/printable.h"
+#include "sim/motion/stop.h"
 #include "sim/run/method.h"
 
 namespace taut::program {
@@ -58,7 +63,7 @@ void terminate_for_memory() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::bad_alloc&) {
-    render::AtomicFile::remove_all();
+    render::remove_leftovers();
     _exit(say_out_of_memory());
   } catch (...) {  // a defect
   }
@@ -103,7 +108,7 @@ nlohmann::ordered_json json_of(const scenes::SceneFault& fault) {
 }
 
 std::string more_text(const scenes::Faults& faults) {
-  const std::string& file = faults.first.front().place.file;
+  const std::string file = printable(faults.first.front().place.file);
   return faults.more ? fmt::format("{}: and {} more", file, *faults.more)
                      : fmt::format("{}: and perhaps more, which have not been looked for", file);
 }
@@ -111,12 +116,18 @@ std::string more_text(const scenes::Faults& faults) {
 /// Says what went wrong; `faults` are those of a scene.
 int complain(const Common& common, ExitCode code, const std::string& message,
              const scenes::Faults& faults = {}) {
-  const char* const name = is_colored(STDERR_FILENO) ? "\033[1;31mtaut:\033[0m" : "taut:";
+  const auto say = [](std::string_view what) {
+    if (is_colored(STDERR_FILENO)) {
+      note("\033[1;31mtaut:\033[0m {}\n", Lines{what});
+    } else {
+      note("taut: {}\n", Lines{what});
+    }
+  };
   if (faults.first.size() > 1) {
-    for (const scenes::SceneFault& fault : faults.first) note("{} {}\n", name, fault.what());
-    if (faults.more != 0u) note("{} {}\n", name, more_text(faults));
+    for (const scenes::SceneFault& fault : faults.first) say(fault.what());
+    if (faults.more != 0u) say(more_text(faults));
   } else {
-    note("{} {}\n", name, message);
+    say(message);
   }
   if (!common.json) return code;
   nlohmann::ordered_json error = {
@@ -126,7 +137,7 @@ int complain(const Common& common, ExitCode code, const std::string& message,
   if (faults.more.value_or(0) > 0) error["more_faults"] = *faults.more;
   // The error is told already where this fails, too.
   try {
-    render::write_output(nlohmann::ordered_json({{"error", error}}).dump(2) + "\n");
+    render::write_output(json_text(nlohmann::ordered_json({{"error", error}})) + "\n");
   } catch (const render::CannotWrite&) {
   }
   return code;
@@ -174,7 +185,17 @@ int complain_of_options(const Common& common, const CLI::App& app, const CLI::Pa
   const CLI::App* chosen = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
   const std::string help = chosen == &app ? "taut" : "taut " + chosen->get_name();
   const std::string why = word.empty() ? error.what() : word;
-  return complain(common, kUsage, fmt::format("{} ({} --help says more)", why, help));
+  return complain(common, kUsage, fmt::format("{} ({} --help says more)", printable(why), help));
+}
+
+/// Help or the version, on standard output.
+int say_what_is_asked(const CLI::App& app, const CLI::ParseError& asked) {
+  return guarded({}, [&] {
+    std::ostringstream text;
+    app.exit(asked, text, text);
+    render::write_output(text.str());
+    return kDone;
+  });
 }
 
 /// Commands that have another name now. The old one still works, with a note.
@@ -199,7 +220,7 @@ int parse_and_run(int argc, char** argv, std::span<const AddCommand> commands) {
   try {
     app.parse(argc, words.data());
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error) == 0 ? kDone : kCannotWrite;
+    if (error.get_exit_code() == 0) return say_what_is_asked(app, error);
     // Nothing is parsed that would say so.
     for (int i = 1; i < argc; ++i) program.common.json |= std::string_view(argv[i]) == "--json";
     return complain_of_options(program.common, app, error);
@@ -207,6 +228,7 @@ int parse_and_run(int argc, char** argv, std::span<const AddCommand> commands) {
   if (now && !program.common.quiet) note("taut: {} is called {} now\n", argv[1], now);
   return guarded(program.common, [&] {
     render::catch_interrupts();
+    set_stop_check(render::stop_if_interrupted);
     return program.run();
   });
 }
@@ -247,6 +269,8 @@ int guarded(const Common& common, const std::function<int()>& work) {
     return complain(common, kInternal, fmt::format("internal error: {}", error.what()));
   } catch (const std::exception& error) {
     return complain(common, kInternal, fmt::format("internal error: {}", error.what()));
+  } catch (...) {
+    return complain(common, kInternal, "internal error");
   }
 }
 

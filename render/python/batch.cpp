@@ -131,7 +131,6 @@ class BatchObject {
   /// Looks for signals at multiples of the step, which changes no bit.
   template <class Scalar>
   void go(batch::Batch<Scalar>& batch, double until, int threads) {
-    Signals signals;
     do {
       const double now = batch.time();
       const bool short_of = now + (stride_ + 1) * step_ < until;
@@ -141,7 +140,7 @@ class BatchObject {
         stride_ *= 2;
       else if (stride_ > 1)
         stride_ /= 2;
-      signals.look();
+      look_for_signals();
     } while (batch.time() < until);
   }
 

@@ -7,13 +7,15 @@
 #include <string>
 
 #include "scenes/files/error.h"
+#include "sim/motion/printable.h"
 
 namespace taut::python {
 
 /// A pin, move, release or cut that changed nothing; becomes taut.InterventionError.
 class Refused : public std::runtime_error {
  public:
-  Refused(const std::string& message, double at) : std::runtime_error(message), time(at) {}
+  Refused(const std::string& message, double at)
+      : std::runtime_error(printable(message)), time(at) {}
   double time;  // s
 };
 

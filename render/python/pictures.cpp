@@ -59,10 +59,8 @@ class RendererObject {
  public:
   RendererObject(const SceneObject& object, const PictureOptions& options) {
     const py::gil_scoped_release unlocked;
-    Signals signals;
     scenes::Scene staged = scenes::load_scene(object.scene.file, true, object.changes);
-    renderer_.reset(
-        new Renderer(std::move(staged), object.changes, options, [&] { signals.look(); }));
+    renderer_.reset(new Renderer(std::move(staged), object.changes, options, look_for_signals));
   }
 
   py::array frame(double time) {
@@ -70,8 +68,7 @@ class RendererObject {
     {
       const Turn turn(taken_);
       const py::gil_scoped_release unlocked;
-      Signals signals;
-      picture = renderer_->frame(time, [&] { signals.look(); });
+      picture = renderer_->frame(time, look_for_signals);
     }
     return to_array(std::move(picture));
   }

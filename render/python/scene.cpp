@@ -117,9 +117,8 @@ Trajectory simulate(const SceneObject& object, const std::string& method,
   Trajectory made(scene, choice.name);
   double* times = made.times.mutable_data();
   const py::gil_scoped_release unlocked;
-  Signals signals;
   for (int frame = 0; frame < scene.frames(); ++frame) {
-    signals.look();
+    look_for_signals();
     simulation.advance_to(static_cast<double>(frame) / scene.fps);
     *times++ = simulation.world().time;
     made.put(simulation.state());

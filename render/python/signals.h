@@ -2,29 +2,39 @@
 #pragma once
 
 #include <pybind11/pybind11.h>
+#include <unistd.h>
 
-#include <chrono>
+#include <ctime>
 #include <stdexcept>
 
 namespace taut::python {
 
-/// Lets Python handle signals between two pieces of work; a handler that raises, as that of Ctrl-C
-/// does, ends the work. A look within a fiftieth of a second of the last costs a clock's reading.
-class Signals {
- public:
-  /// Without Python's lock. Throws pybind11::error_already_set.
-  void look() {
-    const auto now = Clock::now();
-    if (now - last_ < std::chrono::milliseconds(20)) return;
-    const pybind11::gil_scoped_acquire lock;
-    if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
-    last_ = Clock::now();
-  }
+/// Lets Python handle signals; a handler that raises, as that of Ctrl-C does, ends the work. Only
+/// in the process's first thread, which gets Python's signals, and not within `apart` (s) of the
+/// last time: then it costs a clock's reading. With or without Python's lock. Throws
+/// pybind11::error_already_set.
+inline void handle_signals(double apart) {
+  thread_local const bool is_first = getpid() == gettid();
+  if (!is_first) return;
+  timespec read{};
+  clock_gettime(CLOCK_MONOTONIC_COARSE, &read);
+  const double now = double(read.tv_sec) + 1e-9 * double(read.tv_nsec);
+  static double last = now;
+  if (now - last < apart) return;
+  const pybind11::gil_scoped_acquire lock;
+  last = now;
+  if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
+}
 
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point last_ = Clock::now();
-};
+/// Between two pieces of work, after which everything is whole.
+inline void look_for_signals() {
+  handle_signals(0.02);
+}
+
+/// Within a piece that takes long: what it leaves cannot continue.
+inline void look_for_signals_within() {
+  handle_signals(0.5);
+}
 
 /// Throws std::runtime_error where a Turn has it.
 inline void refuse_if_taken(bool taken) {

@@ -68,7 +68,6 @@ void SimulationObject::advance(double until) {
   }
   const Turn turn(taken_);
   const py::gil_scoped_release unlocked;
-  Signals signals;
   do {
     const auto begin = Clock::now();
     const double next = next_stop(until);
@@ -77,7 +76,7 @@ void SimulationObject::advance(double until) {
     const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
     if (spent < kSlice / 2) stride_ *= 2;
     if (spent > kSlice && stride_ > 1) stride_ /= 2;
-    signals.look();
+    look_for_signals();
   } while (simulation_.world().time < until);
 }
 
@@ -184,7 +183,8 @@ chooses its own steps stops on its way.)")
 
 A method with a step goes in equal steps. One that chooses its steps stops at every frame on its
 way, as the commands of taut do: the same frames have the same bits. Python's lock is free
-meanwhile, and Ctrl-C ends it between two steps or frames. Raises DivergedError, InterventionError,
+meanwhile, and Ctrl-C ends it between two steps or frames. It also ends a step of more than half a second; the
+simulation cannot continue after that. Raises DivergedError, InterventionError,
 and ArgumentError where `until` has passed.)")
       .def(
           "pin",

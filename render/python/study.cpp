@@ -35,9 +35,8 @@ std::unique_ptr<TruthObject> solve(const SceneObject& object, bool quick) {
   options.scored_error = made->length * (quick ? 1e-4 : 1e-6);
   if (quick) options.second_accuracy = 1e-7;
   const py::gil_scoped_release unlocked;
-  Signals signals;
   made->reference = truth::solve_truth(scene.world, made->problem.times, options, scene.timeline,
-                                       [&] { signals.look(); });
+                                       look_for_signals);
   std::erase_if(made->problem.times, [&](double time) { return time > made->reference.horizon; });
   made->reference.frames.resize(made->problem.times.size());
   if (made->problem.times.size() < 2) {
@@ -54,9 +53,8 @@ study::AccuracyRow score_one(const TruthObject& truth, const std::string& method
   made_method(truth.problem.world, {method, settings});  // throws where it cannot be
   const study::Metric metric = study::share_of_length(truth.length);
   const py::gil_scoped_release unlocked;
-  Signals signals;
   return study::score(truth.problem, truth.reference, {&metric, 1}, {method, settings}, cap,
-                      [&] { signals.look(); });
+                      look_for_signals);
 }
 
 py::dict methods() {

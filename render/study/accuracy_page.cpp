@@ -10,6 +10,7 @@
 #include "render/chart/html_page.h"
 #include "render/options/method_options.h"
 #include "render/options/reproduce.h"
+#include "render/program/json.h"
 
 namespace taut::studies {
 namespace {
@@ -318,7 +319,7 @@ std::string accuracy_json(const AccuracyStudy& study) {
     json["model_error"].push_back(
         {{"particles", row.particles}, {"links", row.links}, {"span", row.span}});
   }
-  return json.dump(2) + "\n";
+  return program::json_text(json) + "\n";
 }
 
 }  // namespace taut::studies

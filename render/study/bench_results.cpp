@@ -301,7 +301,7 @@ std::string bench_json(const BenchResults& results) {
     for (const study::EqualError& one : block.paper.equal)
       json["equal_error"].push_back(json_of(one));
   }
-  return json.dump(2) + "\n";
+  return program::json_text(json) + "\n";
 }
 
 }  // namespace taut::studies

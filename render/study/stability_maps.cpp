@@ -214,7 +214,7 @@ std::string stability_json(const StabilityStudy& study) {
                                {"reason", cell.reason}});
     }
   }
-  return json.dump(2) + "\n";
+  return program::json_text(json) + "\n";
 }
 
 }  // namespace taut::studies

@@ -1,8 +1,10 @@
-// Faults of a scene file or an asset.
+// Faults of a scene file or an asset. Messages are printable (see printable()): names have escapes.
 #pragma once
 
 #include <stdexcept>
 #include <string>
+
+#include "sim/motion/printable.h"
 
 namespace taut::scenes {
 
@@ -10,13 +12,13 @@ namespace taut::scenes {
 /// was found and what was expected.
 class BadScene : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit BadScene(const std::string& message) : std::runtime_error(printable(message)) {}
 };
 
 /// A model or data file that cannot be used; the message starts with the file's name.
 class BadAsset : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit BadAsset(const std::string& message) : std::runtime_error(printable(message)) {}
 };
 
 }  // namespace taut::scenes

@@ -12,8 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/files/printable.h"
 #include "scenes/files/standard_input.h"
+#include "sim/motion/printable.h"
+#include "sim/motion/stop.h"
 
 namespace taut::scenes {
 namespace {
@@ -38,7 +39,10 @@ std::string read_all(int file, const std::filesystem::path& name, std::size_t li
   char block[1 << 16];
   ssize_t count = 0;
   while (bytes.size() <= limit && (count = read(file, block, sizeof block)) != 0) {
-    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EINTR) {
+      check_stop();
+      continue;
+    }
     if (count < 0) fail(fmt::format("cannot be read: {}", std::strerror(errno)));
     bytes.append(block, static_cast<std::size_t>(count));
   }

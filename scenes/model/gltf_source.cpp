@@ -5,8 +5,8 @@
 #include <limits>
 #include <map>
 
-#include "scenes/files/printable.h"
 #include "scenes/model/limits.h"
+#include "sim/motion/printable.h"
 
 namespace taut::scenes {
 namespace {

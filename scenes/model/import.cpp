@@ -9,12 +9,12 @@
 #include <assimp/Importer.hpp>
 #include <cctype>
 
-#include "scenes/files/printable.h"
 #include "scenes/files/regular_file.h"
 #include "scenes/model/gltf.h"
 #include "scenes/model/imported.h"
 #include "scenes/model/obj.h"
 #include "scenes/model/obj_files.h"
+#include "sim/motion/printable.h"
 
 namespace taut::scenes {
 

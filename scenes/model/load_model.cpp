@@ -8,12 +8,12 @@
 #include <variant>
 
 #include "scenes/files/asset_path.h"
-#include "scenes/files/printable.h"
 #include "scenes/files/regular_file.h"
 #include "scenes/model/import.h"
 #include "scenes/model/limits.h"
 #include "scenes/model/model_bytes.h"
 #include "scenes/model/sandbox.h"
+#include "sim/motion/printable.h"
 
 namespace taut::scenes {
 

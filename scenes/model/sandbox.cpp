@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "scenes/model/system_calls.h"
+#include "sim/motion/stop.h"
 
 namespace taut::scenes {
 namespace {
@@ -78,7 +79,8 @@ void take_away(const SandboxLimits& limits) {
 
 /// The child has the handlers of its parent, which may do more than end it.
 void end_by_faults() {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPROF, SIGXCPU, SIGSYS}) {
+  for (const int signal :
+       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPROF, SIGXCPU, SIGSYS, SIGINT, SIGTERM}) {
     std::signal(signal, SIG_DFL);
   }
   std::signal(SIGXFSZ, SIG_IGN);  // what is said on standard error may go to a file
@@ -118,10 +120,9 @@ std::optional<SandboxResult::End> read_reply(int file, const SandboxLimits& limi
   while (reply.size() <= limits.reply) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
     if (left.count() <= 0) return SandboxResult::End::no_time;
+    check_stop();
     pollfd ready{file, POLLIN, 0};
-    if (poll(&ready, 1, static_cast<int>(std::min<std::int64_t>(left.count(), 60'000))) <= 0) {
-      continue;
-    }
+    if (poll(&ready, 1, static_cast<int>(std::min<std::int64_t>(left.count(), 100))) <= 0) continue;
     const ssize_t n = read(file, block, sizeof block);
     if (n == 0) return {};
     if (n > 0) reply.append(block, static_cast<std::size_t>(n));
@@ -226,6 +227,7 @@ SandboxResult run_in_sandbox(const SandboxLimits& limits,
   pipe.ends[1] = -1;
   SandboxResult result;
   auto beyond = read_reply(pipe.ends[0], limits, result.reply);
+  check_stop();  // which may be why it ended
   auto ended = beyond ? std::nullopt : child.end_soon();
   if (!ended) {  // it says too much, or works on
     ended = child.end();

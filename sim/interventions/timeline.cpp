@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "sim/motion/printable.h"
 #include "sim/topology/parts.h"
 
 namespace taut {
@@ -47,7 +48,7 @@ BadIntervention::BadIntervention(Flaw found, double at, const std::string& sourc
         if (!source.empty()) line << source << ": ";
         line << (found.cut ? "cut " : "pin ") << found.index + 1 << ", at " << at
              << " s: " << found.what;
-        return line.str();
+        return printable(line.str());
       }()),
       flaw(std::move(found)),
       time(at) {}

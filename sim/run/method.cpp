@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "sim/motion/printable.h"
 #include "sim/topology/span.h"
 #include "sim/world/world.h"
 
@@ -310,7 +311,7 @@ Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number
         std::ostringstream line;
         line << method_name << ": " << what << " at " << at << " s (step " << step_number
              << "), connector " << connector_name << ", link " << link_index;
-        return line.str();
+        return printable(line.str());
       }()),
       method(std::move(method_name)),
       reason(std::move(what)),

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/draw/shading/light_cube.h"
+#include "sim/motion/stop.h"
 
 namespace taut::draw {
 namespace {
@@ -180,6 +181,7 @@ RoomLight::RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Dra
     for (int k = 0; k < count_[2]; ++k)
       for (int j = 0; j < count_[1]; ++j)
         for (int i = 0; i < count_[0]; ++i) {
+          check_stop();
           const Vec3 share(double(i) / (count_[0] - 1), double(j) / (count_[1] - 1),
                            double(k) / (count_[2] - 1));
           grid_.push_back(side_light(
