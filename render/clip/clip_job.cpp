@@ -14,6 +14,7 @@
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
 #include "render/program/frame_list.h"
+#include "render/program/json.h"
 #include "render/program/note.h"
 #include "sim/motion/hash.h"
 
@@ -53,6 +54,10 @@ std::size_t missing_frames(const fs::path& folder, const std::vector<int>& frame
   return std::size_t(std::ranges::count_if(frames, [&](int frame) {
     return !fs::exists(folder / fmt::format("{:06}.png", frame), error);
   }));
+}
+
+std::chrono::milliseconds patience_of(const RenderOptions& options) {
+  return std::chrono::milliseconds(std::llround(1e3 * options.patience));
 }
 
 constexpr int kPreviewRate = 24;  // frames a second, at most
@@ -145,7 +150,7 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
     }
     frames = std::move(own);
   }
-  if (video) film::require_ffmpeg();
+  if (video) film::require_ffmpeg(patience_of(options));
   if (options.stills.any() || options.part.merge || frames.empty()) return;
   options::Needs needs =
       options::clip_needs(scene, double(frames.size()), options.samples, common.threads);
@@ -234,21 +239,20 @@ void finish_clip(const ClipJob& job, nlohmann::ordered_json& report,
     const auto start = Clock::now();
     const film::Encoding encoding{options.output.quality, options.output.transparent,
                                   job.provenance().video()};
-    film::encode_video(files, job.scene.fps, file, encoding,
-                       std::chrono::milliseconds(std::llround(1e3 * options.patience)));
+    film::encode_video(files, job.scene.fps, file, encoding, patience_of(options));
     report["seconds_per_frame"]["encoding"] = seconds_since(start) / double(job.frames.size());
     report["video"] = file.string();
   }
   if (!common.quiet && report.contains("certificate"))
     program::note("certificate: {}\n", job.proof);
-  if (!common.quiet) program::note("{}", estimate.line());
+  if (!common.quiet) program::note("{}", program::Lines{estimate.line()});
   render::AtomicFile file((options.part.is_part() ? job.frame_path : job.out) / kRecord);
-  file.write(report.dump(2) + "\n");
+  file.write(program::json_text(report) + "\n");
   file.commit();
 }
 
 std::string result_text(const nlohmann::ordered_json& report, const program::Common& common) {
-  if (common.json) return report.dump(2) + "\n";
+  if (common.json) return program::json_text(report) + "\n";
   return report[report.contains("video") ? "video" : "frames_folder"].get<std::string>() + "\n";
 }
 

@@ -5,14 +5,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 #include <string_view>
 #include <system_error>
 
 #include "render/base/error.h"
 #include "render/base/part_file.h"
+#include "sim/motion/printable.h"
 
 namespace taut::film {
 namespace {
@@ -21,20 +24,35 @@ namespace {
 std::string complaint_of(const render::ChildResult& result) {
   const std::size_t kept = std::min<std::size_t>(result.errors.size(), 1500);
   return fmt::format("status {}\n{}", result.status,
-                     result.errors.substr(result.errors.size() - kept));
+                     printable_lines(result.errors.substr(result.errors.size() - kept)));
 }
 
 render::ChildResult run(const std::vector<std::string>& arguments, const std::string& input,
-                        std::chrono::milliseconds patience = render::kPatience) {
-  render::ChildResult result;
+                        std::chrono::milliseconds patience,
+                        const std::filesystem::path& folder = {}) {
   try {
-    result = render::run_child(arguments, input, patience);
+    return render::run_child(arguments, input, patience, folder);
   } catch (const std::system_error& error) {
     throw render::EncoderFailed(fmt::format("{} (is FFmpeg installed?)", error.what()));
   }
+}
+
+void require_success(const char* program, const render::ChildResult& result) {
   if (result.status != 0)
-    throw render::EncoderFailed(fmt::format("{} failed: {}", arguments[0], complaint_of(result)));
-  return result;
+    throw render::EncoderFailed(fmt::format("{} failed: {}", program, complaint_of(result)));
+}
+
+/// Throws CannotWrite where the disk is full: FFmpeg may say so, and passes over it at its last
+/// write.
+void refuse_full_disk(const render::PartFile& part, const std::filesystem::path& name,
+                      const std::string& errors) {
+  int cause = part.why_full();
+  for (const int full : {ENOSPC, EDQUOT, EFBIG}) {
+    if (cause == 0 && errors.find(std::strerror(full)) != std::string::npos) cause = full;
+  }
+  if (cause == 0) return;
+  throw render::CannotWrite(
+      fmt::format("{}: cannot be written: {}", name.string(), std::strerror(cause)));
 }
 
 /// Whether a child would find it, which without a PATH looks where the C library does.
@@ -49,15 +67,19 @@ bool is_in_path(const std::string& program) {
 /// A path as FFmpeg's list of files wants it, in single quotes.
 std::string quoted(const std::filesystem::path& file) {
   std::string text = "'file:";
-  for (const char c : std::filesystem::absolute(file).string())
-    text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  for (const char c : file.string()) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return text + "'";
+}
+
+/// The name of a file that FFmpeg cannot take for an option or a protocol.
+std::string file_name(const std::filesystem::path& file) {
+  return "file:" + std::filesystem::absolute(file).string();
 }
 
 }  // namespace
 
-void require_ffmpeg() {
-  run({"ffmpeg", "-hide_banner", "-version"}, "");
+void require_ffmpeg(std::chrono::milliseconds patience) {
+  require_success("ffmpeg", run({"ffmpeg", "-hide_banner", "-version"}, "", patience));
   if (!is_in_path("ffprobe"))  // of the same package: to find it is enough
     throw render::EncoderFailed("cannot start ffprobe: not found (is FFmpeg installed?)");
 }
@@ -184,8 +206,14 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
                   std::chrono::milliseconds patience, int threads) {
   const Format* format = format_of(file.extension().string());
   if (!format) format = &kFormats[0];
+  // FFmpeg runs in the folder of the frames: its list cannot carry every name of a folder.
+  const std::filesystem::path folder =
+      frames.empty() ? "" : std::filesystem::absolute(frames.front()).parent_path();
   std::string list = "ffconcat version 1.0\n";
-  for (const auto& frame : frames) list += fmt::format("file {}\n", quoted(frame));
+  for (const auto& frame : frames) {
+    const auto name = std::filesystem::absolute(frame).lexically_relative(folder);
+    list += fmt::format("file {}\n", quoted(name));
+  }
   render::PartFile part(file);
 
   const std::string rate = fmt::to_string(fps);
@@ -197,9 +225,10 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
   words = joined(words, {"-threads", fmt::to_string(threads), "-map_metadata", "-1"});
   for (const auto& [key, value] : encoding.tags)
     words = joined(words, {"-metadata", fmt::format("{}={}", key, value)});
-  words = joined(words, {"-fflags", "+bitexact", part.path().string()});
-  run(words, list, patience);
-
+  words = joined(words, {"-fflags", "+bitexact", file_name(part.path())});
+  const render::ChildResult made = run(words, list, patience, folder);
+  refuse_full_disk(part, file, made.errors);
+  require_success("ffmpeg", made);
   std::error_code missing;
   if (const auto size = std::filesystem::file_size(part.path(), missing); missing || size == 0)
     throw render::EncoderFailed(
@@ -208,8 +237,9 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
     const render::ChildResult probe =
         run({"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_frames", "-show_entries",
              "stream=nb_read_frames", "-of", "default=nokey=1:noprint_wrappers=1",
-             part.path().string()},
+             file_name(part.path())},
             "", patience);
+    require_success("ffprobe", probe);
     if (probe.output != fmt::format("{}\n", frames.size()))
       throw render::EncoderFailed(fmt::format("{}: ffmpeg made {} frames instead of {}",
                                               file.string(), std::atoi(probe.output.c_str()),

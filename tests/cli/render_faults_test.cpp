@@ -195,9 +195,11 @@ TEST_F(RenderFaults, FramesOfAnEarlierRunStayWhereTheyAreTheSame) {
 /// A stand-in for ffmpeg that answers when it is asked whether it is there.
 class FakeFfmpeg {
  public:
-  FakeFfmpeg(const Folder& folder, const std::string& script) {
-    const fs::path program = folder.write(
-        "bin/ffmpeg", "#!/bin/sh\ncase \"$*\" in *-version*) exit 0;; esac\n" + script + "\n");
+  FakeFfmpeg(const Folder& folder, const std::string& script,
+             const std::string& when_asked = "exit 0") {
+    const fs::path program =
+        folder.write("bin/ffmpeg", "#!/bin/sh\ncase \"$*\" in *-version*) " + when_asked +
+                                       ";; esac\n" + script + "\n");
     fs::permissions(program, fs::perms::owner_all);
     path_ = program.parent_path().string() + ":/usr/bin:/bin";
   }
@@ -219,7 +221,7 @@ TEST_F(RenderFaults, WhatAKilledRunLeavesAliveTouchesNoVideoOfALaterOne) {
   // The encoder opens its output and lives on, as one that the kernel does not end would.
   const FakeFfmpeg slow(
       folder_,
-      "for last; do :; done\ncd " + folder_.path().string() +
+      "for last; do :; done; last=${last#file:}\ncd " + folder_.path().string() +
           "\n(exec 3>>\"$last\"; echo > opened; while [ ! -e go ]; do sleep "
           "0.05; done; echo broken >&3; echo broken > \"$last\"; echo > done) "
           "</dev/null >/dev/null 2>&1 &\necho $$ > encoder.part; mv encoder.part encoder\nwait");
@@ -244,6 +246,67 @@ TEST_F(RenderFaults, WhatAKilledRunLeavesAliveTouchesNoVideoOfALaterOne) {
   ASSERT_EQ(render(few).code, 0);
   for (const auto& entry : fs::recursive_directory_iterator(out_))
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+}
+
+TEST_F(RenderFaults, AFullDiskIsSixWhileFfmpegWritesToo) {
+  const std::vector<std::string> few = {"--frames", "0-4"};
+  const auto expect_full = [&](const ProgramResult& outcome, const char* cause) {
+    EXPECT_EQ(outcome.code, 6) << outcome.messages;
+    EXPECT_NE(outcome.messages.find(cause), std::string::npos) << outcome.messages;
+    for (const auto& entry : fs::recursive_directory_iterator(out_))
+      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  };
+  expect_full(render(few, FakeFfmpeg(folder_, "echo 'x.mp4: No space left on device' >&2; exit 1")),
+              "swing.mp4: cannot be written: No space left on device");
+  // The frames are there; each video is larger than a file may be, whatever FFmpeg says of it.
+  for (const char* name : {"swing.mp4", "swing.gif", "swing.webm", "swing.webp"}) {
+    std::vector<std::string> options = few;
+    options.insert(options.end(), {"-o", (out_ / name).string()});
+    ASSERT_EQ(render(options).code, 0) << name;
+    const rlim_t size = fs::file_size(out_ / name);
+    fs::remove(out_ / name);
+    const ProgramResult outcome = render(options, [size] {
+      const rlimit limit{size / 2, size / 2};
+      setrlimit(RLIMIT_FSIZE, &limit);
+    });
+    expect_full(outcome, "File too large");
+    EXPECT_FALSE(fs::exists(out_ / name)) << name;
+  }
+}
+
+TEST_F(RenderFaults, FfmpegGetsNamesAsNames) {
+  const std::vector<std::string> few = {"--frames", "0-4", "-o"};
+  out_ = folder_.path() / "a\nfile 'x'\n #";
+  for (const char* name : {"-y.mp4", "concat:a.mp4", "pipe:1.mp4", "a b'c\\d\"e%03d.webm",
+                           "new\nline.gif", "file:x.mov", "a|b.webp"}) {
+    std::vector<std::string> options = few;
+    options.back() = std::string("--output=") + name;
+    Child child(command(options), folder_.path());
+    const ProgramResult outcome = child.wait();
+    EXPECT_EQ(outcome.code, 0) << name << ": " << outcome.messages;
+    const fs::path file = folder_.path() / name;
+    ASSERT_TRUE(fs::exists(file)) << name;
+    EXPECT_GT(fs::file_size(file), 0u) << name;
+  }
+}
+
+TEST_F(RenderFaults, PatienceHoldsForEachOfFfmpegsCalls) {
+  const auto start = std::chrono::steady_clock::now();
+  const ProgramResult outcome = render({"--frames", "0-4", "--patience", "0.5"},
+                                       FakeFfmpeg(folder_, "exit 0", "exec sleep 1000"));
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_NE(outcome.messages.find("did nothing for too long"), std::string::npos)
+      << outcome.messages;
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(50)) << "a minute";
+}
+
+TEST_F(RenderFaults, FfmpegsWordsAreTold) {
+  const ProgramResult outcome =
+      render({"--frames", "0-4"},
+             FakeFfmpeg(folder_, R"(printf 'one\ntwo \033[31m\200\007 end' >&2; exit 1)"));
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_NE(outcome.messages.find("one\ntwo \\x1b[31m\\x80\\x07 end"), std::string::npos)
+      << outcome.messages;
 }
 
 TEST_F(RenderFaults, EveryFaultIsNamed) {
