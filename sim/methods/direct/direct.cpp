@@ -135,15 +135,6 @@ class Direct : public Method {
     }
   }
 
-  void store_part(World& world, std::size_t index) {
-    Integrator& part = *parts_.all()[index];
-    try {
-      part.store(world);
-    } catch (const Integrator::StepTooSmall& stop) {
-      throw stopped(world, part.component(), stop.time);
-    }
-  }
-
   Diverged stopped(const World& world, const Component& part, double time) const {
     const std::string why = direct::full_length(world, part, time);
     return Diverged("direct", time, counters_.steps,
