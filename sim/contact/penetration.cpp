@@ -1,7 +1,7 @@
 #include "sim/contact/penetration.h"
 
 #include "sim/contact/capsule.h"
-#include "sim/measure/measure.h"
+#include "sim/motion/larger.h"
 #include "sim/world/places.h"
 
 namespace taut::contact {

@@ -1,6 +1,7 @@
 // Energy, momentum and stretch of a world.
 #pragma once
 
+#include "sim/motion/larger.h"
 #include "sim/world/world.h"
 
 namespace taut {
@@ -18,11 +19,6 @@ double energy(const World& world);
 Vec3 linear_momentum(const World& world);
 /// Angular momentum about `about` of everything that moves freely, kg m^2/s.
 Vec3 angular_momentum(const World& world, const Vec3& about = Vec3::Zero());
-/// The larger of two numbers, and nan where one is: std::max() may hide it.
-inline double larger(double a, double b) {
-  return b > a || b != b ? b : a;
-}
-
 /// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m); of
 /// strings, which may be shorter, without the bars.
 double stretch_max(const World& world);

@@ -280,21 +280,6 @@ TEST(SourceTree, EachRoomHasItsNamespace) {
   }
 }
 
-TEST(SourceTree, NoFileIsLong) {
-  const fs::path root = TAUT_SOURCE_DIR;
-  std::size_t seen = 0;
-  for (const char* house : {"sim", "scenes", "render", "tests", "assets/make"}) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / house)) {
-      const fs::path extension = entry.path().extension();
-      if (extension != ".h" && extension != ".cpp" && extension != ".py") continue;
-      const std::string text = read_file(entry.path());
-      EXPECT_LE(std::ranges::count(text, '\n'), 400) << entry.path();
-      ++seen;
-    }
-  }
-  EXPECT_GT(seen, 700u) << "the files are found at all";
-}
-
 TEST(SourceTree, EveryModelHasLimits) {
   const fs::path assets = fs::path(TAUT_SOURCE_DIR) / "assets";
   const std::string checks = read_file(assets / "make/check.py");

@@ -9,8 +9,6 @@
 namespace taut::endless_test {
 namespace {
 
-using namespace worlds;
-
 /// Whether the run gets to `time` (s); else it names what stops it.
 bool gets_to(const World& world, const char* method, const Settings& settings, double time) {
   Simulation simulation(world, make_method(method, settings));
@@ -27,7 +25,7 @@ bool gets_to(const World& world, const char* method, const Settings& settings, d
 World fork() {
   World world;
   Connector trunk = straight_connector("trunk", 0.9, 0.21, 7, Vec3(0, 1, 0), Vec3::UnitX());
-  trunk.holds = {{0, fixed_at(Vec3(0, 1, 0))}};
+  trunk.holds = {{0, worlds::fixed_at(Vec3(0, 1, 0))}};
   Connector branch =
       straight_connector("branch", 0.47, 0.06, 4, Vec3(0.45, 1, 0), Vec3(0, 1, 0.3).normalized());
   world.connectors = {trunk, branch};
@@ -53,8 +51,8 @@ TEST(Endless, AFixedStepOfJoinedConnectorsEnds) {
 TEST(Endless, ARopeHeldAtItsFullLengthEnds) {
   for (const std::size_t particles : {3u, 4u, 17u}) {
     const double length = 0.12766466077469402;
-    World world = chain(particles, length, Vec3::UnitX(), 0.0045);
-    world.connectors[0].holds.push_back({particles - 1, fixed_at(Vec3(length, 0, 0))});
+    World world = worlds::chain(particles, length, Vec3::UnitX(), 0.0045);
+    world.connectors[0].holds.push_back({particles - 1, worlds::fixed_at(Vec3(length, 0, 0))});
     world.topology = 0;
     finish(world);
     for (const char* method : {"direct", "truth"}) gets_to(world, method, {}, 0.1);
@@ -62,7 +60,7 @@ TEST(Endless, ARopeHeldAtItsFullLengthEnds) {
 }
 
 TEST(Endless, MoreStepsThanARunCanTakeAreRefused) {
-  const World world = chain(3, 0.5, Vec3::UnitX());
+  const World world = worlds::chain(3, 0.5, Vec3::UnitX());
   for (const char* method : {"direct", "impulse", "springs", "xpbd", "dynamic-constraints"}) {
     for (const double step : {1e-300, 1e-30, 1e-20, 1e-13}) {
       Simulation simulation(world, make_method(method, {{"step", step}}));
@@ -77,11 +75,11 @@ TEST(Endless, MoreStepsThanARunCanTakeAreRefused) {
 
 // A pin to a free body hands the world over to another integrator, which counts on.
 TEST(Endless, CountersNeverRunBackwards) {
-  World world = chain(11, 0.5, Vec3::UnitX());
+  World world = worlds::chain(11, 0.5, Vec3::UnitX());
   world.gravity = Vec3::Zero();
   world.connectors[0].sections.assign(10, Section{.bending_stiffness = 1e-3});
   world.connectors[0].velocity[5] = Vec3(0, 0.01, 0);
-  Body body = box("box");
+  Body body = worlds::box("box");
   body.spin = Vec3::Zero();
   body.position = Vec3(0.5, 0, 0);
   world.bodies = {body};
@@ -92,7 +90,7 @@ TEST(Endless, CountersNeverRunBackwards) {
   pin.along = 0.5;
   pin.from = 0.2;
   pin.until = 0.4;
-  pin.to = on_body(0, Vec3::Zero());
+  pin.to = worlds::on_body(0, Vec3::Zero());
   pin.over = 0.01;
   timeline.pins = {pin};
   Simulation simulation(world, make_method("direct", {}), timeline);

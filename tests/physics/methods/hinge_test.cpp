@@ -9,8 +9,6 @@
 namespace taut::hinge_test {
 namespace {
 
-using namespace worlds;
-
 /// A rod of 1 m and 1 kg, which stands on its centre of mass at `at`, along y or `across`.
 Body rod(const std::string& name, const Vec3& at, bool across = false) {
   Body made;
@@ -35,9 +33,10 @@ World hanging_rods(std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     const double top = -static_cast<double>(k);
     world.bodies.push_back(rod("rod" + std::to_string(k), Vec3(0, top - 0.5, 0)));
-    const Attachment above = k == 0 ? fixed_at(Vec3::Zero()) : on_body(k - 1, Vec3(0, -0.5, 0));
-    world.connectors.push_back(
-        hinge("hinge" + std::to_string(k), Vec3(0, top, 0), above, on_body(k, Vec3(0, 0.5, 0))));
+    const Attachment above =
+        k == 0 ? worlds::fixed_at(Vec3::Zero()) : worlds::on_body(k - 1, Vec3(0, -0.5, 0));
+    world.connectors.push_back(hinge("hinge" + std::to_string(k), Vec3(0, top, 0), above,
+                                     worlds::on_body(k, Vec3(0, 0.5, 0))));
   }
   world.bodies.back().velocity = Vec3(1, 0, 0.3);
   world.bodies.back().spin = Vec3(-0.6, 0, 2);
@@ -55,13 +54,13 @@ World four_bar() {
     world.bodies[k].spin = Vec3(0, 0, 1);
     const Vec3 top(k == 0 ? 0 : 1, 0, 0);
     world.connectors.push_back(
-        hinge(k == 0 ? "a" : "b", top, fixed_at(top), on_body(k, Vec3(0, 0.5, 0))));
+        hinge(k == 0 ? "a" : "b", top, worlds::fixed_at(top), worlds::on_body(k, Vec3(0, 0.5, 0))));
   }
   world.bodies[2].velocity = Vec3(1, 0, 0);
-  world.connectors.push_back(
-      hinge("c", Vec3(0, -1, 0), on_body(0, Vec3(0, -0.5, 0)), on_body(2, Vec3(-0.5, 0, 0))));
-  world.connectors.push_back(
-      hinge("d", Vec3(1, -1, 0), on_body(2, Vec3(0.5, 0, 0)), on_body(1, Vec3(0, -0.5, 0))));
+  world.connectors.push_back(hinge("c", Vec3(0, -1, 0), worlds::on_body(0, Vec3(0, -0.5, 0)),
+                                   worlds::on_body(2, Vec3(-0.5, 0, 0))));
+  world.connectors.push_back(hinge("d", Vec3(1, -1, 0), worlds::on_body(2, Vec3(0.5, 0, 0)),
+                                   worlds::on_body(1, Vec3(0, -0.5, 0))));
   finish(world);
   return world;
 }
@@ -108,7 +107,7 @@ TEST(Hinge, ARodOnOneIsAPhysicalPendulum) {
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {
     angle += 0.2 / kSteps * rate;
-    rate -= 0.4 / kSteps * kGravity * 0.5 * 3 * std::sin(angle);
+    rate -= 0.4 / kSteps * worlds::kGravity * 0.5 * 3 * std::sin(angle);
     angle += 0.2 / kSteps * rate;
   }
   const Vec3 right(0.5 * std::sin(angle), -0.5 * std::cos(angle), 0);

@@ -12,8 +12,6 @@
 namespace taut::redundant_test {
 namespace {
 
-using namespace worlds;
-
 constexpr double kLength = 1.0;  // m
 
 /// A board, level and in motion sideways, on ropes of one link to its rim, which stay parallel: its
@@ -33,7 +31,7 @@ World board(std::size_t ropes, double speed, bool pulls = false) {
         straight_connector(fmt::format("rope{}", k), kLength, 0.02, 2, rim, -Vec3::UnitY());
     rope.velocity[1] = made.velocity;
     rope.pulls = pulls;
-    rope.holds = {{0, fixed_at(rim)}, {1, on_body(0, rim)}};
+    rope.holds = {{0, worlds::fixed_at(rim)}, {1, worlds::on_body(0, rim)}};
     world.connectors.push_back(rope);
   }
   finish(world);
@@ -47,7 +45,7 @@ double pendulum(double rate, double time) {
   const double h = time / kSteps;
   for (int i = 0; i < kSteps; ++i) {  // leapfrog
     angle += h / 2 * rate;
-    rate -= h * kGravity / kLength * std::sin(angle);
+    rate -= h * worlds::kGravity / kLength * std::sin(angle);
     angle += h / 2 * rate;
   }
   return angle;
@@ -83,7 +81,7 @@ TEST(Redundant, ABoardOnManyStringsIsAPendulum) {
 TEST(Redundant, ASecondRopeBetweenTheSamePlacesChangesNothing) {
   const auto held_by = [](std::initializer_list<double> masses) {
     World world;
-    Body body = box("box");
+    Body body = worlds::box("box");
     body.position = Vec3(0.3, -0.6, 0.1);
     const Vec3 point(0.02, 0.08, 0.03);
     const Vec3 from(0, 0, 0), to = body.point(point);
@@ -92,7 +90,7 @@ TEST(Redundant, ASecondRopeBetweenTheSamePlacesChangesNothing) {
     for (const double mass : masses) {
       Connector rope = straight_connector(mass > 0.01 ? "heavy" : "light", (to - from).norm(), mass,
                                           2, from, to - from);
-      rope.holds = {{0, fixed_at(from)}, {1, on_body(0, point)}};
+      rope.holds = {{0, worlds::fixed_at(from)}, {1, worlds::on_body(0, point)}};
       world.connectors.push_back(rope);
     }
     finish(world);

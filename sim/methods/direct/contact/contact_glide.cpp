@@ -4,8 +4,8 @@
 
 #include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
-#include "sim/measure/measure.h"
 #include "sim/methods/direct/contact/contact_step.h"
+#include "sim/motion/larger.h"
 #include "sim/motion/stop.h"
 
 namespace taut::direct {
