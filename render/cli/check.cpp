@@ -212,7 +212,7 @@ std::string as_text(const Known& known, int threads) {
   const scenes::Scene& scene = known.scene;
   const std::vector<std::string>& warnings = known.warnings;
   std::string text;
-  const auto line = [&text](const std::string& words) { text += words + '\n'; };
+  const auto line = [&text](const std::string& words) { text += printable(words) + '\n'; };
   const World& world = scene.world;
   line(fmt::format("{}: {} s, {} frames at {} per second", scene.title, scene.duration,
                    scene.frames(), scene.fps));
@@ -366,7 +366,7 @@ int check(const std::string& file, const std::vector<std::string>& set, double s
   known.time = time_of_run(known.scene, changes, started);
   render::write_output(looked_at(known, changes, [&](const Known& found) {
     return common.json ? program::json_text(as_json(found, common.threads)) + '\n'
-                       : printable_lines(as_text(found, common.threads));
+                       : as_text(found, common.threads);
   }));
   return program::kDone;
 }

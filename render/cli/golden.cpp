@@ -13,6 +13,7 @@
 #include "render/program/json.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
+#include "sim/motion/printable.h"
 
 namespace taut::cli {
 namespace golden_command {
@@ -93,7 +94,7 @@ int check(clips::Goldens& goldens, const fs::path& out, const program::Common& c
   const std::size_t all = frames.size() + trajectories.size();
   std::string text;
   for (const golden::GoldenFailure& failure : failures)
-    text += fmt::format("{}: {}\n", failure.name, failure.verdict);
+    text += fmt::format("{}: {}\n", printable(failure.name), printable(failure.verdict));
   text += failures.empty() ? fmt::format("{} as kept\n", all)
                            : fmt::format("{} of {} differ: {}\n", failures.size(), all,
                                          (out / "index.html").string());
@@ -119,7 +120,7 @@ int run(const Options& options, const program::Common& common) {
   std::string text;
   const auto took_over = [&](const std::string& name, const std::string& change) {
     accepted.push_back({{"name", name}, {"change", change}});
-    text += fmt::format("{}: {}\n", name, change);
+    text += fmt::format("{}: {}\n", printable(name), printable(change));
     render::stop_if_interrupted();
   };
   for (const scenes::GoldenFrame& frame : goldens.frames())

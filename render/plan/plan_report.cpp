@@ -11,6 +11,7 @@
 #include "render/options/method_options.h"
 #include "render/options/study_options.h"
 #include "render/program/json.h"
+#include "sim/motion/printable.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/topology/span.h"
 
@@ -150,7 +151,7 @@ std::string plan_text(const Planned& planned) {
   std::string text =
       fmt::format("{}: {}\n", scene.file.string(), scenes::certificate(planned.plan));
   const auto line = [&](const char* what, const std::string& is) {
-    text += fmt::format("  {:<10}{}\n", what, is);
+    text += fmt::format("  {:<10}{}\n", what, printable(is));
   };
   line("model", describe(planned.model(), scene));
   line("method", describe(planned.candidate()));

@@ -198,6 +198,16 @@ class Running(unittest.TestCase):
             self.assertGreater(simulation.time, 0)
             simulation.advance(simulation.time + 1e-3)  # it goes on
 
+    def test_ctrl_c_ends_a_frame_that_takes_long(self):
+        simulation = taut.Simulation(rope(201), "direct", tolerance=1e-8, fps=1e-3)  # 1000 s
+        threading.Timer(0.7, signal.raise_signal, [signal.SIGINT]).start()
+        begin = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            simulation.advance(1e6)
+        self.assertLess(time.monotonic() - begin, 20)
+        with self.assertRaisesRegex(taut.Error, "cannot continue"):
+            simulation.advance(1e6)
+
     def test_other_threads_go_on_meanwhile_and_keep_off(self):
         simulation = taut.Simulation(rope(201), "direct", tolerance=1e-6)
         thread = threading.Thread(target=simulation.advance, args=[1.0])
