@@ -23,11 +23,10 @@ struct Texture {
 /// Surface of a mesh; physically based, linear colours.
 struct Material {
   std::string name;
-  int texture =
-      -1;  // index into Model::textures, of a picture that multiplies the colour; -1: none
   std::array<float, 3> base_color{0.8f, 0.8f, 0.8f};
   float roughness = 0.6f;
   float metallic = 0;
+  int texture = -1;  // index into Model::textures; its colours multiply base_color; -1: none
 };
 
 /// One vertex: bind-pose position (m), normal, linear colour that multiplies the material's, and up
