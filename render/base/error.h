@@ -12,7 +12,7 @@ namespace taut::render {
 /// No OpenGL context of the kind that rendering needs.
 class NoContext : public std::runtime_error {
  public:
-  explicit NoContext(const std::string& message) : std::runtime_error(printable(message)) {}
+  explicit NoContext(const std::string& message) : std::runtime_error(printable_lines(message)) {}
 };
 
 /// FFmpeg or ffprobe is missing, failed, or made something else than was asked for. The message has
