@@ -15,9 +15,11 @@
 namespace taut::cli {
 namespace {
 
-constexpr double kPiece = 1;             // s of CPU time
-constexpr std::size_t kMemory = 3e9;     // bytes, of the piece
-constexpr double kMostMemory = 1e9;      // bytes; of what takes more, no piece is run
+constexpr double kPiece = 1;          // s of CPU time
+constexpr std::size_t kMemory = 3e9;  // bytes, of the piece
+constexpr double kMostMemory = 1e9;   // bytes; of what takes more, no piece is run
+constexpr double kUnsaid =
+    0.02;  // s of CPU time, from the last mark to the end of the piece, at most
 constexpr double kBetween = 2e-3;        // s of CPU time between two marks
 constexpr double kFirstPiece = 0x1p-20;  // of a frame
 
@@ -150,7 +152,8 @@ RunTime time_of_run(const scenes::Scene& scene, const std::vector<scenes::SceneC
     const double step = step_of(with_defaults(scene.method));
     next = last.time > 0 ? last.time : step > 0 ? step : kFirstPiece / scene.fps;
   }
-  const double unfinished = is_over ? 0 : std::max(kPiece - last.cpu, 0.0), left = end - last.time;
+  const double unfinished = is_over ? 0 : std::max(kPiece - kUnsaid - last.cpu, 0.0);
+  const double left = end - last.time;
   const double seen = std::max(marks.size() > 1 ? rate_at_end(marks) : 0, unfinished / next);
   const double average = (kPiece - marks.front().cpu) / (last.time + next);
   result.least = started + kPiece + std::min(average, seen) * left;

@@ -147,7 +147,7 @@ Pixels are those of the scene's shots, a picture as high as the scene's.
 
 --write keeps the plan in the scene file, as its table [plan]; render and simulate take it with
 --planned. It is refused once the scene, or how the program's method moves, is another one.
-The reference solution may take 0.4 of --budget; models and settings that the rest does not suffice
+The reference solution may take 0.6 of --budget; models and settings that the rest does not suffice
 for are left out, and their number is told.
 
 --json has all of it. Exit codes: 0 found, 2 no method comes so near within the budget, or the

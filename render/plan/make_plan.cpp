@@ -25,7 +25,8 @@ constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are sol
 constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
 // Shares of the budget, each with what those before it left: until which part of it each may go on.
-constexpr double kReference = 0.4, kModels = 0.6, kSearch = 0.9;
+constexpr double kReference = 0.6, kModels = 0.7, kSearch = 0.9;
+constexpr double kSolutions = 3;  // of the reference, side by side
 
 /// CPU time for all the work of a plan.
 class Budget {
@@ -149,7 +150,8 @@ std::vector<study::PlanModel> score_models(std::vector<SceneModel>& scene_models
   constexpr std::size_t kBlock = 4;
   for (std::size_t k = 0; k < scene_models.size(); k += kBlock) {
     render::stop_if_interrupted();
-    const double cap = budget.left(kModels);
+    const double cap =
+        budget.left(kModels) / static_cast<double>(std::min(kBlock, scene_models.size() - k));
     side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
       const study::Tolerance own = tolerance;  // a distance may remember what it was asked last
       SceneModel& one = scene_models[k + i];
@@ -235,7 +237,7 @@ Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneCha
             share = done;
             tick(progress)(done);
           },
-          budget.left(kReference));
+          budget.left(kReference) / kSolutions);
     } catch (const OverLimit&) {
       throw program::Misuse(fmt::format(
           "--budget {}: {:.0f} s of CPU time solve {:.2g}% of what there is to compare with, and "

@@ -116,7 +116,8 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
   std::size_t done = 0;
 
   const auto run_block = [&](std::vector<Trial>& block) {
-    const double cap = left ? left() : std::numeric_limits<double>::infinity();
+    const double cap = left && !block.empty() ? left() / static_cast<double>(block.size())
+                                              : std::numeric_limits<double>::infinity();
     if (!(cap > 0)) {
       result.left_out += block.size();
       block.clear();
