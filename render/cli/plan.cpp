@@ -133,23 +133,23 @@ void add_plan(CLI::App& app, program::Program& program) {
   program::Command command = program::add_command(
       app, program, "plan", "The cheapest model that nobody can tell from the reference solution",
       R"(  taut plan scenes/rope_swing.toml --tolerance 1px
-  taut plan scenes/nunchaku.toml --tolerance 0.5mm
+  taut plan scenes/nunchaku.toml --tolerance 0.5mm --budget 3600
   taut plan scenes/rope_swing.toml --tolerance 1px --write
   taut render scenes/rope_swing.toml --planned
 
 It chooses the number of particles or a massless span, rigid bodies or links in their place, the
 stretch, bending, twist and air that may be neglected, the method with its settings, and the
-exposures of the motion blur; by counts of work, so that the same
-scene has the same plan on every machine, unless --budget leaves something out. The scene as it is written, solved to convergence, is what
-it compares with: every particle and the ends of every body, at every frame and at all that the clip
-shows between them, as long as the motion is predictable; after that energy, stretch and speeds.
-Pixels are those of the scene's shots, a picture as high as the scene's.
+exposures of the motion blur. It chooses by counts of work: the same scene has the same plan on
+every machine, unless --budget leaves something out. The scene as it is written, solved to
+convergence, is what it compares with: every particle and the ends of every body, at every frame
+and at all that the clip shows between them, as long as the motion is predictable; after that
+energy, stretch and speeds. Pixels are those of the scene's shots, a picture as high as the scene's.
+
+The reference solution may take 0.6 of --budget. Models and settings that exceed the rest are left
+out, and their number is told.
 
 --write keeps the plan in the scene file, as its table [plan]; render and simulate take it with
 --planned. It is refused once the scene, or how the program's method moves, is another one.
-The reference solution may take 0.6 of --budget; models and settings that the rest does not suffice
-for are left out, and their number is told.
-
 --json has all of it. Exit codes: 0 found, 2 no method comes so near within the budget, or the
 tolerance makes no sense, 3 bad scene, 6 the scene file cannot be written, 130 interrupted)");
   const auto options = std::make_shared<Options>();

@@ -70,19 +70,16 @@ TEST(Check, MeasuresAShortRunToItsEnd) {
   EXPECT_GT(run.at("time_s"), 0);
 }
 
-// A step of the first takes longer than the look may, a frame of the second, the motion of the
-// third.
+// A step of the first takes longer than the look may, a frame of the second.
 TEST(Check, EndsHoweverLongARunTakes) {
   const nlohmann::json dense =
-      checked(hanging_rope(1, 1, 4000, "name = \"dynamic-constraints\"\nsolver = \"dense\""));
+      checked(hanging_rope(5, 1, 4000, "name = \"dynamic-constraints\"\nsolver = \"dense\""));
   EXPECT_EQ(dense.at("simulate").at("at_least"), true);
   EXPECT_GT(dense.at("simulate").at("time_s"), 1);
   const nlohmann::json fine = checked(hanging_rope(100, 1, 100, "name = \"impulse\"\nstep = 1e-9"));
   EXPECT_LT(fine.at("simulate").at("measured_until_s"), 1);
   EXPECT_GT(fine.at("simulate").at("time_s"), 1000) << "1e11 steps of 100 particles";
-  const nlohmann::json day = checked(hanging_rope(86400, 1000, 200, "name = \"direct\""));
-  EXPECT_GT(day.at("simulate").at("time_s"), 100);
-  for (const nlohmann::json& one : {dense, fine, day}) {
+  for (const nlohmann::json& one : {dense, fine}) {
     ASSERT_EQ(one.at("warnings").size(), 1u) << one.at("warnings");
     EXPECT_NE(one.at("warnings")[0].get<std::string>().find("left out"), std::string::npos)
         << one.at("warnings");
