@@ -68,7 +68,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/winch", {"sim/motion"}},
     {"sim/world", {"sim/motion", "sim/winch"}},
     {"sim/topology", {"sim/world"}},
-    {"sim/measure", {"sim/world", "sim/topology"}},
+    {"sim/measure", {"sim/motion", "sim/world", "sim/topology"}},
     {"sim/material", {"sim/motion", "sim/world", "sim/measure"}},
     {"sim/links", {"sim/motion", "sim/world", "sim/topology", "sim/material"}},
     {"sim/contact", {"sim/motion", "sim/world", "sim/links"}},

@@ -58,7 +58,7 @@ struct StepConstants {
   /// More steps than that in so short a time lead nowhere: no motion needs them, as of links at
   /// their full length between what holds them.
   int most_steps = 3000;
-  double brief = 1e-4;  // s
+  double brief = 1e-7;  // s
   /// The longest step; with a driven end, whose motion between two stages no estimate sees, the
   /// other: a frame at 30 a second.
   double longest = 0.25, longest_driven = 1.0 / 30;  // s
