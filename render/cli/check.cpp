@@ -356,14 +356,16 @@ int check(const std::string& file, const std::vector<std::string>& set, double s
     throw program::BadScenes(std::move(faults));
   }
   Known known;
+  const double before = render::process_seconds();
   known.scene = scenes::load_scene(file, true, changes);
+  const double reading = render::process_seconds() - before;
   known.staged = known.scene.stage.has_value();
   if (known.staged) {
     for (std::string& lacks : film::missing_glyphs(*known.scene.stage)) {
       known.warnings.push_back(std::move(lacks));
     }
   }
-  known.time = time_of_run(known.scene, changes, started);
+  known.time = time_of_run(known.scene, started + reading);
   render::write_output(looked_at(known, changes, [&](const Known& found) {
     return common.json ? program::json_text(as_json(found, common.threads)) + '\n'
                        : as_text(found, common.threads);

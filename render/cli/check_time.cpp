@@ -9,7 +9,6 @@
 #include "render/base/bounded.h"
 #include "render/export/csv.h"
 #include "render/options/needs.h"
-#include "scenes/load/load_scene.h"
 #include "sim/run/error_estimate.h"
 
 namespace taut::cli {
@@ -89,13 +88,10 @@ void run_parts(const scenes::Scene& scene, const render::Say& say) {
 
 /// What a copy of this process that does `work` said of its way.
 std::vector<Mark> marks_of(const scenes::Scene& scene,
-                           const std::vector<scenes::SceneChange>& changes,
                            void (*work)(const scenes::Scene&, const render::Say&), bool& is_over) {
   const render::Bounded piece = render::run_bounded({kPiece, kMemory}, [&](const render::Say& say) {
     try {
-      scenes::Scene own = scenes::load_scene(scene.file, false, changes);
-      own.method = scene.method;
-      work(own, say);
+      work(scene, say);
     } catch (const Diverged&) {  // the run ends there as well
       say("end\n");
     } catch (const BadIntervention&) {
@@ -120,8 +116,7 @@ double rate_at_end(const std::vector<Mark>& marks) {
 
 }  // namespace
 
-RunTime time_of_run(const scenes::Scene& scene, const std::vector<scenes::SceneChange>& changes,
-                    double started) {
+RunTime time_of_run(const scenes::Scene& scene, double started) {
   RunTime result;
   if (const double memory = options::simulation_needs(scene).memory; memory > kMostMemory) {
     result.unknown = "takes too much memory to be tried";
@@ -129,7 +124,7 @@ RunTime time_of_run(const scenes::Scene& scene, const std::vector<scenes::SceneC
   }
   const double end = end_of(scene);
   bool is_over = false;
-  std::vector<Mark> marks = marks_of(scene, changes, run_frames, is_over);
+  std::vector<Mark> marks = marks_of(scene, run_frames, is_over);
   const auto all_of = [&](const std::vector<Mark>& some) {
     return !some.empty() && (is_over || some.back().time >= end);
   };
@@ -138,7 +133,7 @@ RunTime time_of_run(const scenes::Scene& scene, const std::vector<scenes::SceneC
     return {all, all, all, marks.back().time, true, false, ""};
   }
   const bool in_parts = marks.empty() || marks.back().time == 0;
-  if (in_parts) marks = marks_of(scene, changes, run_parts, is_over);
+  if (in_parts) marks = marks_of(scene, run_parts, is_over);
   if (marks.empty()) {  // not even its start
     result.seconds = result.least = result.most = started + kPiece;
     result.at_least = true;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "scenes/scene/scene.h"
 
@@ -19,10 +18,9 @@ struct RunTime {
 };
 
 /// Does what taut simulate does with the scene, for about a second of CPU time, in a copy of this
-/// process, and tells the rest of the run from that. `started` (s) is the CPU time that it took to
-/// start the program. Throws Interrupted.
-RunTime time_of_run(const scenes::Scene& scene, const std::vector<scenes::SceneChange>& changes,
-                    double started);
+/// process, and tells the rest of the run from that. `started` (s) is the CPU time of
+/// starting the program and reading the scene. Throws Interrupted.
+RunTime time_of_run(const scenes::Scene& scene, double started);
 
 /// As in "9.1 s, as its first 0.41 s tell".
 std::string text_of(const RunTime& time);
