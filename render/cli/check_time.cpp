@@ -153,7 +153,7 @@ RunTime time_of_run(const scenes::Scene& scene, double started) {
   const double average = (kPiece - marks.front().cpu) / (last.time + next);
   result.least = started + kPiece + std::min(average, seen) * left;
   result.most = started + kPiece + std::max(average, seen) * left;
-  result.at_least = unfinished > kPiece / 2;
+  result.at_least = in_parts && unfinished > kPiece / 2;
   result.seconds = result.at_least ? result.least : std::sqrt(result.least * result.most);
   return result;
 }
