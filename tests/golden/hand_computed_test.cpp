@@ -153,7 +153,7 @@ TEST(HandComputed, APictureMultipliesTheColour) {
   stage.light.sky = stage.light.ground = Vec3::Constant(kSky);
   stage.light.color = Vec3::Zero();
   auto made = std::make_shared<scenes::Model>(*square(
-      0.5, {.name = "matt", .texture = 0, .base_color = {0.8f, 0.5f, 0.5f}, .roughness = 1}));
+      0.5, {.name = "matt", .base_color = {0.8f, 0.5f, 0.5f}, .roughness = 1, .texture = 0}));
   made->textures = {{.width = 2,
                      .height = 1,
                      .magnify = 9728,
