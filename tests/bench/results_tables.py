@@ -82,7 +82,7 @@ def animate(work, name):
     shutil.rmtree(folder, ignore_errors=True)
     work.run(f"taut render {animation.scene} --frames {animation.first}-{animation.last} --size 640x360 --no-video --out {folder}")
     work.run(f"ffmpeg -y -v error -framerate 60 -start_number {animation.first} -i {folder}/frames/%06d.png "
-             f"-vf select=not(mod(n\\,2)),setpts=N/30/TB -r 30 -loop 0 -quality 75 -compression_level 6 assets/pictures/{name}")
+             f"-vf \"select='not(mod(n,2))',setpts=N/30/TB\" -r 30 -loop 0 -quality 75 -compression_level 6 assets/pictures/{name}")
     check_animation(work.source, name)
 
 
@@ -94,7 +94,7 @@ def first(work):
     """the first scene, its command and its clip"""
     animate(work, "first.webp")
     scene = (work.source / "scenes/first.toml").read_text()
-    return (f"```toml\n{scene}```\n\n```sh\nbuild/release/taut render scenes/first.toml  # out/first/first.mp4\n```\n\n"
+    return (f"```toml\n{scene}```\n\n```sh\nbuild/release/taut render scenes/first.toml  # out/first/first.mp4\n```\n"
             "![A rope lets a weight swing](assets/pictures/first.webp)")
 
 
