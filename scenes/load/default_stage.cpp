@@ -21,6 +21,8 @@ constexpr double kAside = 0.3;        // rad, from the square look, so that dept
 constexpr double kRunaway = 10;       // times the size at the start: farther off is not framed
 constexpr double kSmallest = 0.05;    // m, half of what is framed
 constexpr double kHead = 0.15;        // m, of a character around its bones
+constexpr double kPin = 2.5;  // diameters of its connector, of a ball that shows a fixed end
+constexpr std::size_t kMostPins = 100;
 /// Of the simulation that finds what to frame, as Counters::cycles has it: a few seconds.
 constexpr double kMostCycles = 1e10;
 constexpr std::uint64_t kMostChecks = 20'000'000;  // calls of check_stop(), within frames too
@@ -201,7 +203,7 @@ CameraKey framing(const std::vector<Vec3>& points, double aspect) {
 /// A disc whose top is at `height`, wide enough that the camera sees no near edge.
 std::shared_ptr<const Model> ground_at(double height, const CameraKey& camera) {
   const double radius = 20 * (camera.position - camera.target).norm(), thickness = radius / 1000;
-  Model disc = cylinder_model(thickness, 2 * radius, Vec3(0.30, 0.30, 0.31));
+  Model disc = cylinder_model(thickness, 2 * radius, Vec3(0.20, 0.20, 0.21));
   disc.name = "ground";
   disc.materials.front().roughness = 0.9F;
   const Vec3 to(camera.target.x(), height - thickness / 2, camera.target.z());
@@ -209,6 +211,24 @@ std::shared_ptr<const Model> ground_at(double height, const CameraKey& camera) {
     for (std::size_t k = 0; k < 3; ++k)
       vertex.position[k] += static_cast<float>(to[static_cast<Eigen::Index>(k)]);
   return std::make_shared<const Model>(std::move(disc));
+}
+
+/// A steel ball at each fixed point that holds a connector.
+std::vector<std::shared_ptr<const Model>> pins_of(const Scene& scene) {
+  std::vector<std::shared_ptr<const Model>> pins;
+  for (std::size_t c = 0; c < scene.world.connectors.size(); ++c) {
+    for (const Hold& hold : scene.world.connectors[c].holds) {
+      if (hold.to.kind != Attachment::Kind::fixed) continue;
+      Model ball =
+          sphere_model(kPin * scene.stage->connector_looks.at(c).diameter, Vec3(0.10, 0.10, 0.11));
+      ball.name = "pin";
+      for (Vertex& vertex : ball.meshes.front().vertices)
+        for (std::size_t k = 0; k < 3; ++k)
+          vertex.position[k] += static_cast<float>(hold.to.point[static_cast<Eigen::Index>(k)]);
+      pins.push_back(std::make_shared<const Model>(std::move(ball)));
+    }
+  }
+  return pins;
 }
 
 /// As thick as a fibre rope of its weight would be, a chain's links as wide; within what the
@@ -286,6 +306,7 @@ std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes
     staged.push_back({"stage", "{}"});
     Scene read = load_scene(scene.file, true, staged);
     scene.stage = std::move(read.stage);
+    scene.stage->background = Vec3(0.62, 0.66, 0.70);
     scene.performances = std::move(read.performances);
   }
   Stage& stage = *scene.stage;
@@ -313,12 +334,15 @@ std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes
   give_boxes(scene);
   if (written && written->find("scenery")) return left_out;
   const auto is_plane = [](const Obstacle& o) { return o.shape.kind == Shape::Kind::plane; };
-  if (std::ranges::any_of(scene.world.obstacles, is_plane)) return left_out;
-  double thickest = 0;
-  for (const ConnectorLook& look : stage.connector_looks)
-    thickest = std::max(thickest, look.diameter);
-  const double lowest = std::ranges::min(points, {}, [](const Vec3& p) { return p.y(); }).y();
-  stage.scenery.push_back(ground_at(lowest - thickest / 2, camera));
+  if (std::ranges::none_of(scene.world.obstacles, is_plane)) {
+    double thickest = 0;
+    for (const ConnectorLook& look : stage.connector_looks)
+      thickest = std::max(thickest, look.diameter);
+    const double lowest = std::ranges::min(points, {}, [](const Vec3& p) { return p.y(); }).y();
+    stage.scenery.push_back(ground_at(lowest - thickest / 2, camera));
+  }
+  const auto pins = pins_of(scene);
+  if (pins.size() <= kMostPins) stage.scenery.insert(stage.scenery.end(), pins.begin(), pins.end());
   return left_out;
 }
 

@@ -14,21 +14,27 @@
 
 namespace taut {
 
-/// Calls `work(i)` for every i below `count`, several at a time; throws what one of them threw.
+/// Calls `work(i)` for every i below `count`, several at a time, in the order of i. Throws the
+/// exception of the smallest i that threw, so that it does not depend on the number of cores.
 template <class Work>
 void side_by_side(std::size_t count, Work work) {
   std::atomic<std::size_t> next = 0;
   std::exception_ptr failure;
+  std::size_t failed = count;
   std::mutex mutex;
   const auto go = [&] {
+    std::size_t i = 0;
     try {
-      for (std::size_t i = next++; i < count; i = next++) {
+      for (i = next++; i < count; i = next++) {
         check_stop();
         work(i);
       }
     } catch (...) {
       const std::lock_guard lock(mutex);
-      failure = std::current_exception();
+      if (i < failed) {
+        failed = i;
+        failure = std::current_exception();
+      }
       next = count;
     }
   };

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "render/base/bounded.h"
 #include "scenes/format/document.h"
-#include "scenes/model/sandbox.h"
 #include "scenes/reader/reader.h"
 #include "scenes/scene/scene.h"
 #include "sim/evaluation/accuracy.h"
@@ -145,18 +145,18 @@ std::vector<Broken> parse(const std::string& told) {
   return found;
 }
 
-scenes::SandboxResult apart(double cpu_time, const std::function<std::string()>& work) {
-  return scenes::run_in_sandbox({kMemory, 1u << 20, cpu_time, 20 * cpu_time}, work);
+render::Bounded apart(double cpu_time, const std::function<std::string()>& work) {
+  return render::run_bounded({cpu_time, kMemory}, [&](const render::Say& say) { say(work()); });
 }
 
 /// The outcome of a task in a process of its own. Where a frame takes longer than a run may, the
 /// run has to go on in slices; and a run that ends in slices ought to end in frames.
 std::vector<Broken> alone(const scenes::Scene& scene, const Task& task) {
-  using End = scenes::SandboxResult::End;
+  using End = render::Bounded::End;
   const auto ends = [&](const std::string& how) {
     return std::vector<Broken>{{task.method.name, "ends", how}};
   };
-  scenes::SandboxResult result = apart(kAlone, [&] { return perform(scene, task); });
+  render::Bounded result = apart(kAlone, [&] { return perform(scene, task); });
   if (result.end == End::no_time && task.compares) return {{task.method.name, "unknown", ""}};
   if (result.end == End::no_time) {
     result = apart(kAlone + kPatience, [&] {
@@ -170,23 +170,23 @@ std::vector<Broken> alone(const scenes::Scene& scene, const Task& task) {
     if (result.end == End::no_time) {
       return ends(fmt::format("{} s of the scene not within {} s", kSlice, kPatience));
     }
-    if (result.end == End::replied) {
-      return result.reply.empty() ? std::vector<Broken>{} : ends("in slices, but not in frames");
+    if (result.end == End::done) {
+      return result.said.empty() ? std::vector<Broken>{} : ends("in slices, but not in frames");
     }
   }
-  if (result.end == End::replied) return parse(result.reply);
+  if (result.end == End::done) return parse(result.said);
   return ends(result.end == End::no_memory ? std::string("not within 1 GB")
-                                           : fmt::format("by a fault, status {}", result.status));
+                                           : std::string("by a fault"));
 }
 
 /// Most tasks do well, all in one process; else each has its own.
 std::vector<Broken> all(const scenes::Scene& scene, const std::vector<Task>& tasks) {
-  const scenes::SandboxResult together = apart(kTogether, [&] {
+  const render::Bounded together = apart(kTogether, [&] {
     std::string told;
     for (const Task& task : tasks) told += perform(scene, task);
     return told;
   });
-  if (together.end == scenes::SandboxResult::End::replied) return parse(together.reply);
+  if (together.end == render::Bounded::End::done) return parse(together.said);
   std::vector<Broken> found;
   for (const Task& task : tasks) std::ranges::move(alone(scene, task), std::back_inserter(found));
   return found;

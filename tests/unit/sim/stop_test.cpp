@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <stdexcept>
+#include <string>
 
 #include "sim/motion/side_by_side.h"
 #include "sim/run/method.h"
@@ -64,6 +66,19 @@ TEST_F(StopTest, EndsWorkOnSeveralThreads) {
   std::atomic<int> done = 0;
   EXPECT_THROW(side_by_side(1000, [&](std::size_t) { ++done; }), Stopped);
   EXPECT_LT(done, 1000);
+}
+
+TEST(SideBySide, ThrowsTheFirstFailureAtAnySpeed) {
+  for (int round = 0; round < 200; ++round) {
+    try {
+      side_by_side(8, [](std::size_t i) {
+        if (i > 0) throw std::out_of_range(std::to_string(i));
+      });
+      FAIL();
+    } catch (const std::out_of_range& failure) {
+      ASSERT_STREQ(failure.what(), "1");
+    }
+  }
 }
 
 }  // namespace
