@@ -63,7 +63,7 @@ TEST_F(DefaultStage, TheCameraSeesAllThatMovesOverTheWholeClip) {
 
 TEST_F(DefaultStage, TheGroundIsWhereNothingGoesBelow) {
   const scenes::Scene scene = staged(kRope);
-  ASSERT_EQ(scene.stage->scenery.size(), 2u) << "ground and pin";
+  ASSERT_EQ(scene.stage->scenery.size(), 3u) << "the ground and two pins";
   double top = -1e9, lowest = 1e9;
   for (const scenes::Vertex& vertex : scene.stage->scenery[0]->meshes[0].vertices)
     top = std::max(top, static_cast<double>(vertex.position[1]));
