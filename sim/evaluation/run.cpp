@@ -29,6 +29,8 @@ Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
                         problem.timeline);
   const EnergyBalance balance(problem.timeline);
   double level = energy(problem.world), frame = problem.world.time;
+  const Vec3 momentum = linear_momentum(problem.world);
+  const Vec3 weight = moving_mass(problem.world) * problem.world.gravity;
   Run result;
   result.reached = problem.world.time;
   const double start = thread_seconds();
@@ -53,6 +55,10 @@ Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
       }
       result.frames.push_back(simulation.state());
       result.reached = time;
+      result.energy.push_back(gained);
+      result.momentum.push_back((linear_momentum(std::as_const(simulation).world()) - momentum -
+                                 (time - problem.world.time) * weight)
+                                    .norm());
       result.energy_gain = std::max(result.energy_gain, gained);
       result.energy_loss = std::max(result.energy_loss, -gained);
       result.stretch.push_back(stretch);

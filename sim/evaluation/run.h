@@ -31,14 +31,16 @@ struct Run {
   std::string reason;            // of an end that is not `done`
   std::vector<Snapshot> frames;  // at Problem::times, as far as the run came
   Counters counters;
-  double cpu = 0;               // s, of stepping alone
-  double reached = 0;           // s, the time of the last frame
-  double failed_at = 0;         // s, where it diverged
-  std::vector<double> stretch;  // of each frame, as stretch_max() has it
-  double stretch_max = 0;       // of all frames
-  double penetration_max = 0;   // m, of all frames, as contact::penetration_max() has it
-  double energy_gain = 0;       // J, the most above the energy at the start, of all frames
-  double energy_loss = 0;       // J, the most below it
+  double cpu = 0;                // s, of stepping alone
+  double reached = 0;            // s, the time of the last frame
+  double failed_at = 0;          // s, where it diverged
+  std::vector<double> stretch;   // of each frame, as stretch_max() has it
+  double stretch_max = 0;        // of all frames
+  double penetration_max = 0;    // m, of all frames, as contact::penetration_max() has it
+  std::vector<double> energy;    // J, of each frame, above the energy at the start
+  std::vector<double> momentum;  // kg m/s, of each frame: what gravity does not explain
+  double energy_gain = 0;        // J, the most above the energy at the start, of all frames
+  double energy_loss = 0;        // J, the most below it
 };
 
 /// The end as tables call it: done, diverged, over its CPU cap.
