@@ -1,4 +1,4 @@
-// taut compare: methods side by side in one clip, with the truth in each.
+// taut compare: methods side by side in one clip, judged by the truth or by what must hold.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,8 +27,8 @@ constexpr std::size_t kCells = 6;  // unless --methods chooses
 struct Options {
   options::StudyOptions study;
   std::optional<std::string> frames;
-  std::string size, backend = "auto";
-  int fps = 0, samples = 4;
+  std::string size, backend = "auto", times;
+  int fps = 0, samples = 4, slower = 0;  // 0: by the scene
   bool no_video = false, over = false;
 };
 
@@ -51,22 +51,31 @@ std::vector<options::Contender> contenders(const options::StudyOptions& options,
 
 std::string report(const Options& options, const scenes::Scene& scene,
                    const film::Comparison& comparison, const std::string& video) {
-  program::Json json = {
-      {"scene", options.study.scene},           {"title", scene.title},
-      {"size_px", {scene.width, scene.height}}, {"fps", scene.fps},
-      {"horizon_s", comparison.horizon},        {"self_error_m", comparison.self_error},
-      {"methods", program::Json::array()}};
+  program::Json json = {{"scene", options.study.scene},
+                        {"title", scene.title},
+                        {"size_px", {scene.width, scene.height}},
+                        {"fps", scene.fps},
+                        {"slower", comparison.slower},
+                        {"horizon_s", comparison.horizon},
+                        {"self_error_m", comparison.self_error},
+                        {"judged_by_truth", comparison.by_truth},
+                        {"result", fmt::format("{}.", fmt::join(comparison.result, "; "))},
+                        {"methods", program::Json::array()}};
   for (const film::ComparedMethod& method : comparison.methods) {
     json["methods"].push_back(
         {{"method", method.label},
          {"settings", method.settings},
-         {"frames", method.frames.size()},
+         {"frames", method.frames},
          {"failure", method.failure},
+         {"verdict", method.verdict.text},
+         {"right", method.verdict.grade == film::Verdict::Grade::none
+                       ? program::Json(nullptr)
+                       : program::Json(method.verdict.grade == film::Verdict::Grade::kept)},
          {"from_dynamic_constraints_mm", program::number_or_null(1e3 * method.from_constraints)},
          {"from_truth_mm", program::number_or_null(1e3 * method.from_truth)},
          {"stretch_max", program::number_or_null(method.stretch_max)},
          {"energy_drift", program::number_or_null(method.drift)},
-         {"cpu_us_per_frame", program::number_or_null(1e6 * method.cpu)}});
+         {"cpu_us_per_frame", program::number_or_null(method.cpu_us)}});
   }
   if (!video.empty()) json["video"] = video;
   return program::json_text(json) + "\n";
@@ -84,7 +93,15 @@ int compare(const program::Common& common, const Options& options) {
         fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides",
                     scene.width, scene.height));
   const std::vector<options::Contender> chosen = contenders(options.study, scene.world);
-  const std::vector<int> frames = program::frame_list(options.frames, scene.frames());
+  clips::CompareSettings settings{.quiet = common.quiet};
+  if (options.slower > 0) settings.slower = options.slower;
+  if (!options.times.empty()) settings.times = clips::cpu_times(options.times);
+  // The clip's length is known once methods are judged; what no clip can have is refused before.
+  if (options.frames)
+    program::frame_list(
+        options.frames,
+        int(film::most_moments(std::size_t(scene.frames()), scene.fps,
+                               settings.slower.value_or(clips::kSlower), chosen.size())));
   if (!options.no_video) film::require_ffmpeg();
 
   const std::string name = options::scene_name(options.study.scene);
@@ -93,7 +110,9 @@ int compare(const program::Common& common, const Options& options) {
   const gl::Context context(gl::backend_named(options.backend), common.threads);
   const std::string layout = options.over ? "_over" : "";
   film::FrameFolder folder(out / ("frames" + layout), false, {scene.width, scene.height});
-  const film::Comparison comparison = clips::compare_methods(scene, chosen, common.quiet);
+  const film::Comparison comparison = clips::compare_methods(scene, chosen, settings);
+  const std::vector<film::Moment> moments = film::moments_of(comparison);
+  const std::vector<int> frames = program::frame_list(options.frames, int(moments.size()));
   film::ComparisonFilm film(context, scene, comparison, scene.width, scene.height, options.samples,
                             options.over ? film::Layout::over : film::Layout::beside);
   std::vector<std::filesystem::path> files;
@@ -101,7 +120,7 @@ int compare(const program::Common& common, const Options& options) {
     program::Progress progress("rendering", "frames", frames.size(), common.quiet);
     for (const int frame : frames) {
       render::stop_if_interrupted();
-      folder.put(frame, film::program_fingerprint(), film.draw(std::size_t(frame)));
+      folder.put(frame, film::program_fingerprint(), film.draw(moments[std::size_t(frame)]));
       files.push_back(folder.file(frame));
       progress.update(files.size());
     }
@@ -129,11 +148,13 @@ int compare(const program::Common& common, const Options& options) {
 void add_compare(CLI::App& app, program::Program& program) {
   using namespace compare_command;
   program::Command command = program::add_command(
-      app, program, "compare", "Show methods side by side in one clip, scored against the truth",
+      app, program, "compare",
+      "Show methods side by side in one clip: which is right, how wrong others are, the costs",
       "  taut compare scenes/rope_drop.toml\n"
       "  taut compare scenes/rope_swing.toml --methods impulse,impulse:as-printed,direct\n"
       "  taut compare scenes/rope_drop.toml --over\n"
-      "  taut compare scenes/rope_swing.toml --frames 0-30 --size 960x540 --no-video");
+      "  taut compare scenes/rope_swing.toml --frames 0-30 --size 960x540 --no-video\n"
+      "  taut compare scenes/rope_drop.toml --times out/compare/rope_drop/compare.json");
   auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->study.inputs);
   command.add_option("--out", options->study.out,
@@ -142,7 +163,16 @@ void add_compare(CLI::App& app, program::Program& program) {
       .add_option("--methods", options->study.methods,
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: six")
       .delimiter(',');
-  command.add_option("--frames", options->frames, "Frames to make, as A-B,C; default all");
+  command.add_option("--frames", options->frames,
+                     "Frames of the clip to make, as A-B,C, from 0; default all");
+  command
+      .add_option(
+          "--slower", options->slower,
+          "Begin N times slower than real time, with stops at the worst moments; default: 6 "
+          "where the motion is not predictable, else 1")
+      .range(1, 100);
+  command.add_option("--times", options->times,
+                     "Take CPU times from a former run's compare.json, so that pictures repeat");
   command.add_option("--size", options->size, "WxH in pixels; default the scene's");
   command.add_option("--fps", options->fps, "Frames per second; default the scene's")
       .range(1, 1000);

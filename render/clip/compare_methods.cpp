@@ -4,16 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
 #include "render/base/interrupt.h"
+#include "render/clip/judge.h"
+#include "render/program/json.h"
 #include "render/program/note.h"
 #include "render/program/progress.h"
 #include "render/study/study_target.h"
 #include "sim/evaluation/accuracy.h"
 #include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
+#include "sim/motion/stop.h"
+#include "sim/run/between.h"
 
 namespace taut::clips {
 namespace {
@@ -44,10 +50,116 @@ double mean(const std::vector<double>& distances, std::size_t frames) {
   return std::reduce(distances.begin(), distances.end()) / double(distances.size());
 }
 
+/// A share of a CPU time's digits: the rest differs from run to run.
+double four_digits(double value) {
+  if (!(value > 0) || !std::isfinite(value)) return value;
+  return std::stod(fmt::format("{:.4g}", value));
+}
+
+/// The frames of a run divided into `parts` instants each.
+std::vector<Snapshot> instants_of(const study::Problem& problem, const MethodChoice& candidate,
+                                  const std::vector<Snapshot>& frames, int parts) {
+  if (parts == 1 || frames.size() < 2) return frames;
+  const auto start = [&] {
+    return Simulation(problem.world, make_method(candidate.name, candidate.settings),
+                      problem.timeline);
+  };
+  Simulation simulation = start();
+  std::optional<Between> between(std::in_place, start());
+  simulation.advance_to(frames.front().time);
+  std::vector<Snapshot> result{frames.front()};
+  for (std::size_t f = 1; f < frames.size(); ++f) {
+    render::stop_if_interrupted();
+    std::vector<double> times;
+    const double first = frames[f - 1].time, last = frames[f].time;
+    for (int i = 1; i < parts; ++i) times.push_back(std::lerp(first, last, double(i) / parts));
+    const World before = std::as_const(simulation).world();
+    simulation.advance_to(last);
+    std::vector<Snapshot> states;
+    try {
+      if (between) states = between->states(before, times, frames[f]);
+    } catch (const Diverged&) {  // with other steps alone: the last frames stand still between
+      between.reset();
+    }
+    if (states.empty()) states.assign(times.size(), frames[f - 1]);
+    std::ranges::move(states, std::back_inserter(result));
+    result.push_back(frames[f]);
+  }
+  return result;
+}
+
+/// A row per method. The paper's distance from dynamic constraints stands there where these are
+/// right, or another judge is there.
+chart::Table table_of(const film::Comparison& comparison, bool by_paper) {
+  for (const film::ComparedMethod& method : comparison.methods)
+    if (method.label == find_method(PaperRole::dynamic_constraints)->name)
+      by_paper &= comparison.by_truth || method.verdict.grade == film::Verdict::Grade::kept;
+  chart::Table table;
+  table.columns = {"method"};
+  if (by_paper) table.columns.push_back("from dynamic constraints, mm");
+  if (comparison.by_truth) table.columns.push_back("from the truth, mm");
+  for (const char* column :
+       {"largest stretch, %", "energy drift, %", "CPU µs per frame", "verdict"})
+    table.columns.push_back(column);
+  for (const film::ComparedMethod& method : comparison.methods) {
+    std::vector<std::string> row{method.label};
+    if (by_paper) row.push_back(options::rounded(1e3 * method.from_constraints));
+    if (comparison.by_truth) row.push_back(options::rounded(1e3 * method.from_truth));
+    for (const double value : {100 * method.stretch_max, 100 * method.drift, method.cpu_us})
+      row.push_back(options::rounded(value));
+    row.push_back(method.verdict.text);
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+/// What methods are judged by, in a line.
+std::string judged_by(const film::Comparison& comparison, const Laws& laws) {
+  const std::string share = options::percent(film::kKept);
+  if (comparison.by_truth) {
+    return fmt::format("Right: at most {} of the length from the truth, predictable for {:.3g} s",
+                       share, comparison.horizon);
+  }
+  const std::string kept = words_of(laws);
+  if (kept.empty()) return "The motion is not predictable, and no law tells right from wrong";
+  return fmt::format("Right: keeps {}, to {}. The motion itself is not predictable", kept, share);
+}
+
 }  // namespace
 
+CpuTimes cpu_times(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw program::Misuse(fmt::format("--times: {} cannot be read", file.string()));
+  const program::Json json = program::Json::parse(in, nullptr, false);
+  const auto wrong = [&](const std::string& key) {
+    return program::Misuse(
+        fmt::format("--times: {}: {} is missing (expected a compare.json)", file.string(), key));
+  };
+  if (!json.is_object() || !json.contains("methods") || !json["methods"].is_array())
+    throw wrong("methods");
+  CpuTimes times;
+  for (std::size_t i = 0; i < json["methods"].size(); ++i) {
+    const program::Json& method = json["methods"][i];
+    const auto has = [&](const char* key) { return method.is_object() && method.contains(key); };
+    if (!has("method") || !method["method"].is_string())
+      throw wrong(fmt::format("methods[{}].method", i));
+    if (!has("cpu_us_per_frame") ||
+        !(method["cpu_us_per_frame"].is_null() || method["cpu_us_per_frame"].is_number()))
+      throw wrong(fmt::format("methods[{}].cpu_us_per_frame", i));
+    const program::Json& time = method["cpu_us_per_frame"];
+    times[method["method"].get<std::string>()] = time.is_null() ? NAN : time.get<double>();
+  }
+  return times;
+}
+
 film::Comparison compare_methods(const scenes::Scene& scene,
-                                 const std::vector<options::Contender>& contenders, bool quiet) {
+                                 const std::vector<options::Contender>& contenders,
+                                 const CompareSettings& settings) {
+  const bool quiet = settings.quiet;
+  if (settings.times)
+    for (const options::Contender& contender : contenders)
+      if (!settings.times->contains(contender.label))
+        throw program::Misuse("--times: the file has no method " + contender.label);
   study::Problem problem{scene.world, {}, scene.timeline};
   for (int k = 0; k < scene.frames(); ++k) problem.times.push_back(double(k) / scene.fps);
   const double length = scene.world.connectors.front().length;
@@ -87,53 +199,54 @@ film::Comparison compare_methods(const scenes::Scene& scene,
   }
   if (!paper) paper = &beside;
 
+  const Laws laws = laws_of(scene.world, scene.timeline);
   film::Comparison result;
+  result.title = scene.title;
+  result.fps = scene.fps;
   result.times = problem.times;
-  result.truth = std::move(truth.frames);
   result.horizon = truth.horizon;
   result.self_error = truth.self_error;
-  const bool by_paper = !paper->frames.empty();
-  result.table.columns = {"method"};
-  if (by_paper) result.table.columns.push_back("from dynamic constraints, mm");
-  for (const char* column :
-       {"from the truth, mm", "largest stretch, %", "energy drift, %", "CPU µs per frame"}) {
-    result.table.columns.push_back(column);
-  }
-  result.measured_from = predictable > 1 ? "the truth" : "dynamic constraints";
-  const bool closed =
-      is_closed(scene.world) && scene.timeline.empty() && energy_scale(scene.world) > 0;
+  result.length = length_scale(scene.world);
+  result.by_truth = predictable > 1 && 4 * predictable >= problem.times.size() && result.length > 0;
+  result.slower = settings.slower.value_or(result.by_truth ? 1 : kSlower);
+  result.judged = judged_by(result, laws);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const study::Run& run = runs[i];
+    const MethodChoice candidate = candidate_on(scene, contenders[i]);
     film::ComparedMethod method{.label = contenders[i].label,
-                                .settings = describe(candidate_on(scene, contenders[i]).settings),
+                                .settings = describe(candidate.settings),
                                 .style = contenders[i].style,
+                                .frames = run.frames.size(),
                                 .failure = run.reason,
                                 .stretch = run.stretch};
-    const auto from_truth = distances(run.frames, result.truth, predictable);
-    const auto from_paper = distances(run.frames, paper->frames, problem.times.size());
-    method.distance = predictable > 1 ? from_truth : from_paper;
-    method.from_constraints = mean(from_paper, problem.times.size());
-    method.from_truth = mean(from_truth, predictable);
+    method.distance = distances(run.frames, truth.frames, predictable);
+    method.from_constraints =
+        mean(distances(run.frames, paper->frames, problem.times.size()), problem.times.size());
+    method.from_truth = mean(method.distance, predictable);
+    method.verdict =
+        result.by_truth ? by_truth(run, method.distance, result.length) : by_laws(run, laws);
+    if (laws.energy > 0)
+      for (const double energy : run.energy) method.energy.push_back(energy / laws.energy);
     if (const double frames = double(run.frames.size()); frames > 0) {
       method.stretch_max = run.stretch_max;
-      if (closed) {
-        // Contact takes some, and strings where they go taut.
-        const bool takes = has_contact(scene.world) || has_strings(scene.world);
-        const double lost = takes ? 0 : run.energy_loss;
-        method.drift = std::max(run.energy_gain, lost) / energy_scale(scene.world);
+      if (laws.energy > 0) {
+        const double lost = laws.loses ? 0 : run.energy_loss;
+        method.drift = std::max(run.energy_gain, lost) / laws.energy;
       }
-      method.cpu = run.cpu / frames;
+      method.cpu_us = four_digits(1e6 * run.cpu / frames);
     }
-    std::vector<std::string> row{method.label};
-    if (by_paper) row.push_back(options::rounded(1e3 * method.from_constraints));
-    for (const double value : {1e3 * method.from_truth, 100 * method.stretch_max,
-                               100 * method.drift, 1e6 * method.cpu}) {
-      row.push_back(options::rounded(value));
-    }
-    result.table.add(std::move(row));
-    method.frames = run.frames;
+    if (settings.times) method.cpu_us = settings.times->at(method.label);
+    method.states = instants_of(problem, candidate, run.frames, result.slower);
     result.methods.push_back(std::move(method));
   }
+  result.truth = std::move(truth.frames);
+  if (result.slower > 1 && predictable > 1) {
+    std::vector<double> times;
+    for (std::size_t i = 0; i < result.instants(); ++i) times.push_back(result.time_of(i));
+    result.truth = studies::solved_truth(scene, times, accuracy).frames;
+  }
+  result.result = result_of(result);
+  result.table = table_of(result, !paper->frames.empty());
   return result;
 }
 

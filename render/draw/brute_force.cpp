@@ -25,7 +25,7 @@ void draw_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& view
   parts.surfaces.use(parts.look(instant, viewport).block);
   parts.draw_solid();
   parts.map.clear();
-  if (solid) parts.map.draw(items);
+  if (solid && layer.shadow) parts.map.draw(items);
   parts.aim(canvas, viewport);
   if (!solid) {
     parts.gl.Enable(GL_BLEND);

@@ -19,6 +19,7 @@ struct FrameState {
 struct Layer {
   bool characters = true, bodies = true, connectors = true;
   float opacity = 1;  // below 1: blended over what is there, casting no shadow
+  bool shadow = true;
 };
 
 }  // namespace taut::draw

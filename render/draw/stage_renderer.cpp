@@ -199,7 +199,9 @@ void StageRenderer::draw(gl::Canvas& canvas, const picture::Rect& viewport,
   d.parts.pose(instant);
   d.lap("skin");
   const std::vector<DrawItem> items = d.parts.items(instant, layer);
-  d.paint(canvas, viewport, d.look(instant, viewport), items, items, layer.opacity);
+  d.paint(canvas, viewport, d.look(instant, viewport), items,
+          layer.shadow ? std::span<const DrawItem>(items) : std::span<const DrawItem>(),
+          layer.opacity);
 }
 
 std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameState> shutter,

@@ -3,23 +3,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "render/film/comparison_colors.h"
 #include "render/film/framing.h"
 #include "render/picture/paint.h"
+#include "sim/world/held.h"
 
 namespace taut::film {
 namespace {
 
-constexpr float kGhost = 0.35f;     // opacity
-constexpr float kOverlay = 0.85f;   // opacity of methods over each other
-constexpr double kCells = 0.63;     // of the picture's height
-constexpr double kPanel = 0.46;     // of its width, where methods lie over each other
-constexpr double kTable = 0.36;     // of its height, there
-constexpr double kHeading = 0.085;  // of the picture's height, over what moves in a cell
+constexpr float kGhost = 0.35f;    // opacity
+constexpr float kOverlay = 0.85f;  // opacity of methods over each other
+constexpr double kUnit = 0.0215;   // of the picture's height, that of the type
+constexpr double kSmallest = 10;   // px, of the type
+constexpr double kCharts = 0.56;   // of the picture's width; the rest is the costs'
+constexpr double kPanel = 0.42;    // of its width, where methods lie over each other
 constexpr int kMostColumns = 6;
-constexpr double kCharts = 0.58;  // of the picture's width; the rest is the table's
+constexpr std::size_t kMostTethers = 4;  // whose reach is drawn
+constexpr double kFramed = 1.5;  // times the reach, up to which what moves is kept in the panel
 
 /// sRGB to linear light (IEC 61966-2-1).
 Vec3 linear(picture::Rgb color) {
@@ -32,10 +36,11 @@ Vec3 linear(picture::Rgb color) {
 }
 
 /// The stage with what moves in one colour, but for people.
-scenes::Stage coloured(const scenes::Stage& stage, const Vec3& color) {
+scenes::Stage coloured(const scenes::Stage& stage, const Vec3& color, std::size_t connectors) {
   scenes::Stage result = stage;
   result.characters.clear();
-  for (scenes::ConnectorLook& look : result.connector_looks) look.color = color;
+  result.connector_looks.resize(std::max(connectors, result.connector_looks.size()));
+  for (scenes::ConnectorLook& look : result.connector_looks) look.color = look.weight_color = color;
   for (auto& model : result.body_models) {
     if (!model) continue;
     scenes::Model painted = *model;
@@ -47,46 +52,47 @@ scenes::Stage coloured(const scenes::Stage& stage, const Vec3& color) {
 }
 
 /// Cells in rows of so many, from the upper left.
-std::vector<picture::Rect> cells(std::size_t count, int columns, int width, int height) {
+std::vector<picture::Rect> cells(std::size_t count, int columns, const picture::Rect& area) {
   const int rows = (int(count) + columns - 1) / columns;
   std::vector<picture::Rect> result;
   for (int i = 0; i < int(count); ++i) {
-    const int x = width * (i % columns) / columns, y = height * (i / columns) / rows;
-    result.push_back(
-        {x, y, width * (i % columns + 1) / columns - x, height * (i / columns + 1) / rows - y});
+    const int x = area.width * (i % columns) / columns, y = area.height * (i / columns) / rows;
+    result.push_back({area.x + x, area.y + y, area.width * (i % columns + 1) / columns - x,
+                      area.height * (i / columns + 1) / rows - y});
   }
   return result;
 }
 
-/// Everything that moves: as the truth has it, and behind its end as the first method does that
-/// goes on; where methods lie over each other, as each of them has it.
-std::vector<Vec3> moving_points(const Comparison& comparison, Layout layout) {
+void add_points(const Snapshot& state, std::vector<Vec3>& points) {
+  for (const auto& particles : state.connectors)
+    points.insert(points.end(), particles.begin(), particles.end());
+  for (const Pose& body : state.bodies) points.push_back(body.position);
+}
+
+/// A circle round `centre` in the plane that faces the camera.
+std::vector<Vec3> circle(const Vec3& centre, double radius, const scenes::CameraView& camera) {
+  constexpr int kSides = 120;
+  const Vec3 forward = (centre - camera.position).normalized();
+  const Vec3 right = forward.cross(Vec3::UnitY()).normalized(), up = right.cross(forward);
   std::vector<Vec3> points;
-  const auto add = [&](std::span<const Snapshot> states) {
-    for (const Snapshot& state : states) {
-      for (const auto& particles : state.connectors)
-        points.insert(points.end(), particles.begin(), particles.end());
-      for (const Pose& body : state.bodies) points.push_back(body.position);
-    }
-  };
-  add(comparison.truth);
-  if (layout == Layout::over) {
-    for (const ComparedMethod& method : comparison.methods) add(method.frames);
-    return points;
-  }
-  const std::size_t known = comparison.truth.size();
-  for (const ComparedMethod& method : comparison.methods) {
-    if (known == comparison.times.size() || method.frames.size() <= known) continue;
-    add(std::span(method.frames).subspan(known));
-    break;
+  for (int i = 0; i <= kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSides;
+    points.push_back(centre + radius * (std::sin(angle) * right + std::cos(angle) * up));
   }
   return points;
 }
 
-/// A millimetre value as short as its size allows.
-std::string millimetres(double metres) {
-  const double mm = 1e3 * metres;
-  return mm >= 1e-3 || mm == 0 ? fmt::format("{:.3g} mm", mm) : fmt::format("{:.0e} mm", mm);
+/// Where points are seen, px from the upper left corner of the picture; not numbers behind it.
+std::array<double, 2> seen(const Vec3& point, const scenes::CameraView& camera,
+                           const picture::Rect& view) {
+  const Vec3 forward = (camera.target - camera.position).normalized();
+  const Vec3 right = forward.cross(Vec3::UnitY()).normalized(), up = right.cross(forward);
+  const Vec3 from = point - camera.position;
+  const double depth = from.dot(forward);
+  if (depth < 1e-6) return {NAN, NAN};
+  const double scale = view.height / (2 * std::tan(camera.field_of_view / 2) * depth);
+  return {view.x + view.width / 2.0 + scale * from.dot(right),
+          view.y + view.height / 2.0 - scale * from.dot(up)};
 }
 
 }  // namespace
@@ -99,56 +105,140 @@ ComparisonFilm::ComparisonFilm(const gl::Context& context, const scenes::Scene& 
       layout_(layout),
       width_(width),
       height_(height),
-      areas_(areas(width, height, layout)),
-      canvas_(context, areas_.cells.width, areas_.cells.height, samples),
+      unit_(std::max(kUnit * height, kSmallest)),
+      areas_(areas(width, height, unit_, comparison.methods.size(), layout)),
+      canvas_(context, areas_.panels.width, areas_.panels.height, samples),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline)),
-      still_(width, height) {
+      faint_(width, height) {
   if (layout_ == Layout::over) {
     for (const ComparedMethod& method : comparison_.methods)
-      coloured_.push_back(coloured(*scene.stage, linear(rgb(method.style.color))));
+      coloured_.push_back(
+          coloured(*scene.stage, linear(rgb(method.style.color)), scene.world.connectors.size()));
     for (const scenes::Stage& stage : coloured_)
       overlays_.push_back(std::make_unique<draw::StageRenderer>(
           context, stage, divided(scene.world, scene.timeline)));
   }
   lay_out();
+  draw_costs();
+  full_ = faint_;
   draw_charts();
-  draw_table();
 }
 
-ComparisonFilm::Areas ComparisonFilm::areas(int width, int height, Layout layout) {
+ComparisonFilm::Areas ComparisonFilm::areas(int width, int height, double unit, std::size_t methods,
+                                            Layout layout) {
+  const int header = std::clamp(int(2.2 * unit), 1, std::max(height / 4, 1));
+  const int costs =
+      std::clamp(int((double(methods) + 3) * 1.5 * unit), height * 32 / 100, height * 42 / 100);
+  const auto at_least = [](picture::Rect rect) {
+    rect.width = std::max(rect.width, 1);
+    rect.height = std::max(rect.height, 1);
+    return rect;
+  };
   if (layout == Layout::over) {
-    const int right = std::max(int(kPanel * width), 1), low = int((1 - kTable) * height);
-    return {{0, 0, right, height},
-            {right, 0, width - right, low},
-            {right, low, width - right, height - low}};
+    const int left = std::max(int(kPanel * width), 1);
+    const int list = std::clamp(int((double(methods) + 1.5) * 1.6 * unit), 0, height / 3);
+    return {{0, 0, width, header},
+            at_least({0, header, left, height - header}),
+            {left, header, width - left, list},
+            {left, header + list, width - left, std::max(height - header - list - costs, 0)},
+            {left, height - costs, width - left, costs}};
   }
-  const int top = std::max(int(kCells * height), 1), middle = int(kCharts * width);
-  return {{0, 0, width, top},
-          {0, top, middle, height - top},
-          {middle, top, width - middle, height - top}};
+  const int middle = int(kCharts * width);
+  return {{0, 0, width, header},
+          at_least({0, header, width, height - header - costs}),
+          {},
+          {0, height - costs, middle, costs},
+          {middle, height - costs, width - middle, costs}};
+}
+
+std::vector<ComparisonFilm::Panel> ComparisonFilm::panels(int columns) {
+  if (layout_ == Layout::over) return {{areas_.panels, areas_.panels}};
+  std::vector<Panel> result;
+  int above = 0, below = 0;
+  const auto found = cells(comparison_.methods.size(), columns, areas_.panels);
+  const double width = found.front().width - unit_;
+  for (const ComparedMethod& method : comparison_.methods) {
+    const double rows = double(name_lines(method, width).size()) * 1.25 +
+                        double(numbers(method, 0).size() > 1 && width < 16 * unit_ ? 2 : 1) * 1.2;
+    above = std::max(above, int((rows + 0.9) * unit_));
+    const auto lines = picture::wrapped(bold_, method.verdict.text, unit_, width);
+    below = std::max(below, int((double(lines.size()) * 1.25 + 0.6) * unit_));
+  }
+  for (const picture::Rect& cell : found) {
+    const int top = std::min(above, cell.height / 3), bottom = std::min(below, cell.height / 3);
+    result.push_back({cell, {cell.x, cell.y + top, cell.width, cell.height - top - bottom}});
+  }
+  return result;
+}
+
+/// Everything that moves, and the circles of reach. What goes far beyond its reach is left out.
+std::vector<Vec3> ComparisonFilm::framed_points() const {
+  std::vector<Vec3> points;
+  const scenes::CameraView camera = scenes::camera_at(scene_.stage->camera, 0);
+  const Snapshot& start = comparison_.truth.front();
+  for (const Tether& tether : tethers_) {
+    const auto& particles = start.connectors[tether.connector];
+    const auto round =
+        circle(tether.last ? particles.back() : particles.front(), tether.length, camera);
+    points.insert(points.end(), round.begin(), round.end());
+  }
+  for (const Snapshot& state : comparison_.truth)
+    if (state.time <= comparison_.horizon) add_points(state, points);
+  // Behind the truth's end as the first method has it that is right, or else the first.
+  const auto right = std::ranges::find_if(comparison_.methods, [](const ComparedMethod& method) {
+    return method.verdict.grade == Verdict::Grade::kept;
+  });
+  const ComparedMethod& shown =
+      right == comparison_.methods.end() ? comparison_.methods.front() : *right;
+  const std::size_t first = tethers_.empty() ? 0 : points.size();
+  for (const ComparedMethod& method : comparison_.methods)
+    if (&method == &shown || layout_ == Layout::over || tethers_.size() == 1)
+      for (const Snapshot& state : method.states) add_points(state, points);
+  if (tethers_.size() == 1) {
+    const Tether& tether = tethers_.front();
+    const auto& particles = start.connectors[tether.connector];
+    const Vec3 centre = tether.last ? particles.back() : particles.front();
+    const double most = kFramed * tether.length;
+    points.erase(std::remove_if(points.begin() + std::ptrdiff_t(first), points.end(),
+                                [&](const Vec3& p) { return !((p - centre).norm() <= most); }),
+                 points.end());
+  }
+  std::erase_if(points, [](const Vec3& p) { return !p.allFinite(); });
+  return points;
 }
 
 void ComparisonFilm::lay_out() {
+  if (scene_.timeline.empty()) {
+    for (std::size_t c = 0; c < scene_.world.connectors.size(); ++c) {
+      const Connector& connector = scene_.world.connectors[c];
+      if (connector.winch) continue;
+      bool first = false, last = false;
+      for (const Hold& hold : connector.holds) {
+        if (!is_prescribed(scene_.world, hold.to)) continue;
+        first |= hold.particle == 0;
+        last |= hold.particle + 1 == connector.particles();
+      }
+      if (first != last) tethers_.push_back({c, last, connector.length});
+    }
+    if (tethers_.size() > kMostTethers) tethers_.clear();
+  }
   const std::size_t count = layout_ == Layout::over ? 1 : comparison_.methods.size();
-  const int usual = count == 4 ? 2 : std::min(int(count), 3);
-  cells_ = cells(count, usual, areas_.cells.width, areas_.cells.height);
+  panels_ = panels(count == 4 ? 2 : std::min(int(count), 3));
   // People, and cameras that move, are seen as the scene has them.
   if (!scene_.stage->characters.empty() || scene_.stage->camera.size() != 1) return;
   const scenes::CameraView camera = scenes::camera_at(scene_.stage->camera, 0);
-  const std::vector<Vec3> points = moving_points(comparison_, layout_);
+  const std::vector<Vec3> points = framed_points();
   double best = 0;  // px to a metre
   for (int columns = 1; columns <= std::min(int(count), kMostColumns); ++columns) {
-    std::vector<picture::Rect> tried =
-        cells(count, columns, areas_.cells.width, areas_.cells.height);
-    const picture::Rect& cell = tried.front();
-    if (cell.width < 1 || cell.height < 1) continue;
-    const scenes::CameraView view = framed(camera, points, double(cell.width) / cell.height,
-                                           std::min(kHeading * height_ / cell.height, 0.4));
-    const double scale = pixels_per_metre(view, cell.height);
+    std::vector<Panel> tried = panels(columns);
+    const picture::Rect& view = tried.front().view;
+    if (view.width < 1 || view.height < 1) continue;
+    const scenes::CameraView sees = framed(camera, points, double(view.width) / view.height, 0);
+    const double scale = pixels_per_metre(sees, view.height);
     if (scale <= best) continue;
     best = scale;
-    camera_ = view;
-    cells_ = std::move(tried);
+    camera_ = sees;
+    panels_ = std::move(tried);
   }
 }
 
@@ -156,15 +246,15 @@ scenes::CameraView ComparisonFilm::camera(double time) const {
   return camera_ ? *camera_ : scenes::camera_at(scene_.stage->camera, time);
 }
 
-/// A length in the first cell, as long as it is where the camera looks.
+/// A length in the first panel, as long as it is where the camera looks.
 void ComparisonFilm::draw_scale(picture::Picture& picture) {
-  if (!camera_) return;
-  const picture::Rect& cell = cells_.front();
-  const double metre = pixels_per_metre(*camera_, cell.height);
-  const double length = round_length(0.4 * cell.width / metre), size = 0.0168 * height_;
+  const picture::Rect& view = panels_.front().view;
+  if (!camera_ || view.empty()) return;
+  const double metre = pixels_per_metre(*camera_, view.height);
+  const double length = round_length(0.35 * view.width / metre), size = 0.85 * unit_;
   const int wide = std::max(int(std::lround(length * metre)), 1),
             thick = std::max(height_ / 360, 1);
-  const int left = cell.x + int(size), bottom = cell.top() - int(2.8 * size);  // above the note
+  const int left = view.x + int(0.6 * size), bottom = view.top() - int(0.6 * size);
   picture::fill(picture, {left, bottom - thick, wide, thick}, kInk);
   for (const int x : {left, left + wide - thick})
     picture::fill(picture, {x, bottom - 3 * thick, thick, 3 * thick}, kInk);
@@ -181,143 +271,102 @@ draw::FrameState ComparisonFilm::instant(const Snapshot& state, double time) con
   return instant;
 }
 
-picture::Picture ComparisonFilm::draw(std::size_t frame) {
-  const double time = comparison_.times[frame];
-  std::vector<draw::View> views;
-  for (const picture::Rect& cell : cells_)
-    views.push_back(
-        {{cell.x, areas_.cells.height - cell.top(), cell.width, cell.height}, camera(time)});
-  renderer_.begin(canvas_, views);
-  if (layout_ == Layout::over)
-    draw_over(views.front(), frame);
-  else
-    draw_beside(views, frame);
-  picture::Picture picture = still_;
-  picture::paste(canvas_.finish(), picture, 0, 0);
-  for (const picture::Rect& cell : cells_) draw_truth_note(picture, cell, frame);
-  if (layout_ == Layout::over)
-    draw_legend(picture, frame);
-  else
-    for (std::size_t i = 0; i < cells_.size(); ++i) draw_cell(picture, i, frame);
-  draw_scale(picture);
-  draw_cursor(picture, frame);
-  return picture;
+const Snapshot& ComparisonFilm::state_of(const ComparedMethod& method, std::size_t instant) const {
+  const std::size_t last = std::min(instant + 1, method.states.size());
+  return last ? method.states[last - 1] : comparison_.truth.front();
 }
 
-const Snapshot& ComparisonFilm::state_of(const ComparedMethod& method, std::size_t frame) const {
-  const std::size_t last = std::min(frame + 1, method.frames.size());
-  return last ? method.frames[last - 1] : comparison_.truth.front();
+bool ComparisonFilm::is_stopped(const ComparedMethod& method, std::size_t instant) const {
+  return !method.failure.empty() && instant >= method.states.size();
 }
 
-void ComparisonFilm::draw_beside(std::span<const draw::View> views, std::size_t frame) {
-  const double time = comparison_.times[frame];
+void ComparisonFilm::draw_beside(std::span<const draw::View> views, std::size_t at) {
+  const double time = comparison_.time_of(at);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const Snapshot& state = state_of(comparison_.methods[i], frame);
-    renderer_.draw(canvas_, views[i].viewport, instant(state, time));
-    if (time <= comparison_.horizon)
-      renderer_.draw(canvas_, views[i].viewport, instant(comparison_.truth[frame], time),
+    if (views[i].viewport.empty()) continue;
+    const Snapshot& state = state_of(comparison_.methods[i], at);
+    renderer_.draw(canvas_, views[i].viewport, instant(state, time), {.shadow = false});
+    if (time <= comparison_.horizon && at > 0 && at < comparison_.truth.size())
+      renderer_.draw(canvas_, views[i].viewport, instant(comparison_.truth[at], time),
                      {.characters = false, .opacity = kGhost});
   }
 }
 
-void ComparisonFilm::draw_over(const draw::View& view, std::size_t frame) {
-  const double time = comparison_.times[frame];
-  const bool known = time <= comparison_.horizon;
-  const Snapshot& shown =
-      known ? comparison_.truth[frame] : state_of(comparison_.methods.front(), frame);
+void ComparisonFilm::draw_over(const draw::View& view, std::size_t at) {
+  const double time = comparison_.time_of(at);
+  const bool known = time <= comparison_.horizon && at > 0 && at < comparison_.truth.size();
+  const Snapshot& shown = known ? comparison_.truth[at] : state_of(comparison_.methods.front(), at);
   renderer_.draw(canvas_, view.viewport, instant(shown, time),
-                 {.bodies = false, .connectors = false});
+                 {.bodies = false, .connectors = false, .shadow = false});
   for (std::size_t i = 0; i < overlays_.size(); ++i)
-    overlays_[i]->draw(canvas_, view.viewport,
-                       instant(state_of(comparison_.methods[i], frame), time),
+    overlays_[i]->draw(canvas_, view.viewport, instant(state_of(comparison_.methods[i], at), time),
                        {.characters = false, .opacity = kOverlay});
   if (known)
-    renderer_.draw(canvas_, view.viewport, instant(comparison_.truth[frame], time),
+    renderer_.draw(canvas_, view.viewport, instant(comparison_.truth[at], time),
                    {.characters = false, .opacity = kGhost});
 }
 
-/// Whose colour is whose, and how far each is from what distances are measured from.
-void ComparisonFilm::draw_legend(picture::Picture& picture, std::size_t frame) {
-  const picture::Rect& cell = cells_.front();
-  const double size = 0.024 * height_, row = 1.6 * size;
-  double column = 0;
-  for (const ComparedMethod& method : comparison_.methods)
-    column = std::max(column, bold_.width(method.label, size));
-  double y = cell.y + 1.2 * row;
-  const double values = font_.width("0.00000 mm", size);
-  picture::fill(picture,
-                {int(cell.x), int(cell.y), int(column + values + 4.4 * size),
-                 int(row * (double(comparison_.methods.size()) + 1))},
-                kPaper, 0.72);
-  for (const ComparedMethod& method : comparison_.methods) {
-    const bool stopped = !method.failure.empty() && frame >= method.frames.size();
-    picture::fill(picture,
-                  {int(cell.x + size), int(y - 0.7 * size), int(0.8 * size), int(0.8 * size)},
-                  rgb(method.style.color));
-    bold_.draw(picture, method.label, cell.x + 2.4 * size, y, size, kInk);
-    const std::string text = stopped                          ? "stopped"
-                             : frame < method.distance.size() ? millimetres(method.distance[frame])
-                                                              : "";
-    font_.draw(picture, text, cell.x + column + 3.4 * size, y, size, kGrey);
-    y += row;
+void ComparisonFilm::draw_reach(picture::Picture& picture, const Panel& panel,
+                                const Snapshot& state, double time) {
+  const scenes::CameraView view = camera(time);
+  for (const Tether& tether : tethers_) {
+    const auto& particles = state.connectors[tether.connector];
+    const Vec3& centre = tether.last ? particles.back() : particles.front();
+    std::vector<std::array<double, 2>> line;
+    for (const Vec3& point : circle(centre, tether.length, view)) {
+      auto p = seen(point, view, panel.view);
+      if (p[0] < panel.view.x || p[0] > panel.view.right() || p[1] < panel.view.y ||
+          p[1] > panel.view.top())
+        p = {NAN, NAN};
+      line.push_back(p);
+    }
+    picture::stroke(picture, line, std::max(0.08 * unit_, 1.0), {40, 70, 130}, 0.75);
+    if (tethers_.size() > 1 || !std::isfinite(line.front()[0])) continue;
+    const double size = 0.8 * unit_, wide = font_.width("reach", size);
+    font_.draw(picture, "reach", line.front()[0] - wide / 2, line.front()[1] + 1.2 * size, size,
+               {40, 70, 130});
   }
 }
 
-/// Behind the truth's horizon a cell says that the ghost is gone, and why.
-void ComparisonFilm::draw_truth_note(picture::Picture& picture, const picture::Rect& cell,
-                                     std::size_t frame) {
-  const double time = comparison_.times[frame];
-  const std::string text =
-      time <= comparison_.horizon
-          ? "ghost: the truth"
-          : fmt::format("no truth after {:.2g} s: not predictable", comparison_.horizon);
-  double size = 0.0168 * height_;
-  size *= std::min(1.0, (cell.width - 2 * size) / font_.width(text, size));
-  const double wide = font_.width(text, size);
-  const double x = std::max(cell.right() - size - wide, double(cell.x) + size);
-  picture::fill(
-      picture,
-      {int(x - 0.4 * size), int(cell.top() - 2 * size), int(wide + 0.8 * size), int(1.4 * size)},
-      kPaper, 0.6);
-  font_.draw(picture, text, x, cell.top() - size, size,
-             time <= comparison_.horizon ? kGrey : picture::Rgb{150, 60, 20});
+/// The panels' pictures alone, in their places; the same instant is drawn once.
+picture::Picture ComparisonFilm::draw_scene(std::size_t at) {
+  if (drawn_ == at) return drawn_picture_;
+  const double time = comparison_.time_of(at);
+  std::vector<draw::View> views;
+  for (const Panel& panel : panels_)
+    views.push_back({{panel.view.x - areas_.panels.x, areas_.panels.top() - panel.view.top(),
+                      panel.view.width, panel.view.height},
+                     camera(time)});
+  std::vector<draw::View> visible;
+  for (const draw::View& view : views)
+    if (!view.viewport.empty()) visible.push_back(view);
+  renderer_.begin(canvas_, visible);
+  if (layout_ == Layout::over) {
+    if (!visible.empty()) draw_over(visible.front(), at);
+  } else {
+    draw_beside(views, at);
+  }
+  drawn_picture_ = canvas_.finish();
+  drawn_ = at;
+  return drawn_picture_;
 }
 
-void ComparisonFilm::draw_cell(picture::Picture& picture, std::size_t index, std::size_t frame) {
-  const ComparedMethod& method = comparison_.methods[index];
-  const picture::Rect& cell = cells_[index];
-  const double size = 0.021 * height_, small = 0.8 * size, gap = 0.5 * size;
-  const bool stopped = !method.failure.empty() && frame >= method.frames.size();
-  if (stopped) picture::fill(picture, cell, kPaper, 0.55);
-
-  const int bar = std::max(height_ / 180, 1);
-  picture::fill(picture, {cell.x, cell.y, cell.width, bar}, rgb(method.style.color));
-  for (const int x : {cell.x, cell.right() - 1})
-    picture::fill(picture, {x, cell.y, 1, cell.height}, kPaper, 0.8);
-  const double line = cell.y + bar + gap + size;
-  const auto lines = picture::wrapped(font_, method.settings, small, cell.width - 2 * gap);
-  const double band = bar + 1.8 * gap + size + 1.3 * small * double(lines.size());
-  picture::fill(picture, {cell.x, cell.y + bar, cell.width, int(band) - bar}, kPaper, 0.72);
-  bold_.draw(picture, method.label, cell.x + gap, line, size, kInk);
-  for (std::size_t k = 0; k < lines.size(); ++k)
-    font_.draw(picture, lines[k], cell.x + gap, line + 1.3 * small * double(k + 1), small, kGrey);
-
-  if (stopped) {
-    double y = cell.y + 0.45 * cell.height;
-    const double reached = method.frames.empty() ? 0 : method.frames.back().time;
-    bold_.draw(picture, fmt::format("Stopped after {:.3g} s", reached), cell.x + 2 * gap, y, size,
-               {170, 20, 20});
-    for (const std::string& text :
-         picture::wrapped(font_, method.failure, small, cell.width - 4 * gap))
-      font_.draw(picture, text, cell.x + 2 * gap, y += 1.4 * small, small, kInk);
-  } else if (frame < method.distance.size()) {
-    const std::string text = millimetres(method.distance[frame]);
-    const double wide = font_.width(text, size);
-    // Beside the label where there is room, else under the band.
-    const bool room = bold_.width(method.label, size) + wide + 3 * gap < cell.width;
-    font_.draw(picture, text, cell.right() - gap - wide, room ? line : cell.y + band + 1.3 * size,
-               size, kInk);
-  }
+picture::Picture ComparisonFilm::draw(const Moment& moment) {
+  const std::size_t at = moment.instant;
+  picture::Picture picture = faint_;
+  picture::paste(draw_scene(at), picture, areas_.panels.x, areas_.panels.y);
+  for (std::size_t i = 0; i < panels_.size(); ++i)
+    draw_reach(picture, panels_[i], state_of(comparison_.methods[i], at), comparison_.time_of(at));
+  if (layout_ == Layout::over)
+    draw_list(picture, at);
+  else
+    for (std::size_t i = 0; i < panels_.size(); ++i) draw_panel(picture, i, at);
+  draw_scale(picture);
+  draw_cursor(picture, at);
+  draw_header(picture, moment);
+  if (!moment.stopped.empty()) draw_stop(picture, moment);
+  if (moment.card > 0) draw_card(picture, moment.card);
+  return picture;
 }
 
 }  // namespace taut::film

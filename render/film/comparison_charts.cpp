@@ -1,7 +1,8 @@
-// A comparison's charts, its table, and the line that runs along the charts.
+// A comparison's charts and costs, and the line that runs along the charts.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "render/film/comparison.h"
@@ -11,130 +12,216 @@
 namespace taut::film {
 namespace {
 
-constexpr double kLeastDistance = 1e-4;  // mm, of the chart
-constexpr double kLeastStretch = 1e-4;   // %, of the chart
+constexpr double kMost = 1e3;  // a share; what is beyond is drawn there
+constexpr picture::Rgb kLine = {222, 224, 228}, kBand = {214, 238, 220};
+
+/// Values over decades and around zero: linear up to `least`, logarithmic beyond.
+double scaled(double value, double least) {
+  return std::copysign(std::log10(1 + std::abs(value) / least), value);
+}
+
+/// A power of ten with its unit.
+std::string decade(double seconds) {
+  if (seconds < 0.9e-3) return fmt::format("{:.0f} µs", 1e6 * seconds);
+  return seconds < 0.9 ? fmt::format("{:.0f} ms", 1e3 * seconds) : fmt::format("{:.0f} s", seconds);
+}
+
+/// A number with two digits, without exponent.
+std::string two_digits(double value) {
+  if (value < 0.01) return fmt::format("{:.1g}", value);
+  if (value < 9.95) return fmt::format("{:.2g}", value);
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  const std::string digits = fmt::format("{:.0f}", std::round(value / unit) * unit);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
+    text += digits[i];
+  }
+  return text;
+}
 
 }  // namespace
 
 void ComparisonFilm::draw_charts() {
-  chart::Chart chart;
-  chart.columns = layout_ == Layout::over ? 1 : 2;
-  const auto points = [&](const std::vector<double>& values, double unit) {
-    std::vector<chart::Point> list;
-    for (std::size_t k = 0; k < values.size(); ++k)
-      list.push_back({comparison_.times[k], values[k] > 0 ? unit * values[k] : chart::kAuto});
-    return list;
-  };
-  const double end = comparison_.times.back();
-  const auto panel_of = [&](const std::string& title, const char* unit, double least) {
-    chart::Panel panel;
-    panel.title = title;
-    panel.x.label = "time (s)";
-    panel.x.minimum = 0;
-    panel.x.maximum = end;
-    panel.y.label = unit;
-    panel.y.log = true;
-    panel.y.minimum = least;
-    return panel;
-  };
-  const auto curve = [](const ComparedMethod& method, std::vector<chart::Point> list) {
-    chart::Series series;
-    series.name = method.label;
-    series.style = method.style;
-    series.markers = false;
-    series.points = std::move(list);
-    return series;
-  };
-  chart::Panel distance =
-      panel_of("Mean distance from " + comparison_.measured_from, "mm", kLeastDistance);
-  chart::Panel stretch = panel_of("Stretch of the worst link", "%", kLeastStretch);
-  for (const ComparedMethod& method : comparison_.methods) {
-    distance.series.push_back(curve(method, points(method.distance, 1e3)));
-    stretch.series.push_back(curve(method, points(method.stretch, 1e2)));
-  }
-  for (chart::Panel* panel : {&distance, &stretch})
-    if (comparison_.horizon < end) panel->rules.push_back({comparison_.horizon, true, "horizon"});
-  chart.panels = {distance, stretch};
-
-  // Charts have type of one size: they are drawn large, and shrunk where the picture is small.
-  const int factor = std::max((1080 + height_ - 1) / height_, 1);
-  chart.width = areas_.charts.width * factor;
-  chart.height = areas_.charts.height * factor;
-  const std::string png = chart::draw_chart(chart, chart::ChartFormat::png);
-  picture::paste(
-      picture::shrunk(
-          picture::decode_png({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}),
-          factor),
-      still_, areas_.charts.x, areas_.charts.y);
-  for (std::size_t i = 0; i < chart.panels.size(); ++i) {
-    const chart::PlotArea area = chart::plot_area(chart, i);
-    plots_.push_back({areas_.charts.x + area.left / factor, areas_.charts.y + area.top / factor,
-                      areas_.charts.x + area.right / factor,
-                      areas_.charts.y + area.bottom / factor});
-  }
+  const picture::Rect& area = areas_.charts;
+  const std::array measures = comparison_.by_truth ? std::array{Measure::distance, Measure::stretch}
+                                                   : std::array{Measure::energy, Measure::stretch};
+  const int half = area.width / 2;
+  for (int i = 0; i < 2; ++i)
+    draw_chart(measures[std::size_t(i)], {area.x + i * half, area.y, half, area.height});
 }
 
-void ComparisonFilm::draw_table() {
-  const double size = 0.0165 * height_, row = 1.75 * size;
-  const double left = areas_.table.x + size, right = areas_.table.right() - size;
-  const chart::Table& table = comparison_.table;
-  const double first = 0.30 * (right - left);
-  const double other =
-      (right - left - first) / double(std::max(table.columns.size(), std::size_t(2)) - 1);
-  // Words begin at the left of the first column, numbers end at the right of theirs.
-  const auto put = [&](picture::Font& font, const std::string& text, std::size_t column, double y,
-                       picture::Rgb ink) {
-    const double end = left + first + other * double(column);
-    font.draw(still_, text, column ? end - font.width(text, size) : left, y, size, ink);
+void ComparisonFilm::draw_chart(Measure measure, const picture::Rect& area) {
+  const double size = 0.85 * unit_;
+  Plot plot{.area = {area.x + int(4.2 * size), area.y + int(1.9 * unit_),
+                     area.width - int(5.2 * size), area.height - int(3.6 * unit_)}};
+  if (plot.area.width < 8 || plot.area.height < 8) return;
+  const bool signs = measure == Measure::energy;
+  const double kept = measure == Measure::distance ? kKept * comparison_.length : kKept;
+  const double least = kept / (measure == Measure::distance ? 100 : 10);
+  const auto values_of = [&](const ComparedMethod& method) -> const std::vector<double>& {
+    return measure == Measure::distance ? method.distance
+           : measure == Measure::energy ? method.energy
+                                        : method.stretch;
   };
-  double bottom = areas_.table.y + 1.5 * size;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    double y = areas_.table.y + 1.6 * size;
-    for (const std::string& line :
-         picture::wrapped(font_, table.columns[c], size, c ? 0.9 * other : first)) {
-      put(font_, line, c, y, kGrey);
-      bottom = std::max(bottom, y);
-      y += 1.25 * size;
+  plot.high = scaled(2 * kept, least);
+  plot.low = signs ? -plot.high : 0;
+  bool any = false;
+  for (const ComparedMethod& method : comparison_.methods)
+    for (const double value : values_of(method)) {
+      const double y = scaled(std::clamp(value, -kMost, kMost), least);
+      plot.low = std::min(plot.low, signs ? 1.05 * y : 0.0);
+      plot.high = std::max(plot.high, 1.05 * y);
+      any = true;
     }
+  const double end = std::max(comparison_.times.back(), 1e-9);
+  const auto height_of = [&](double value) {
+    const double share = (scaled(value, least) - plot.low) / (plot.high - plot.low);
+    return plot.area.top() - std::clamp(share, 0.0, 1.0) * plot.area.height;
+  };
+  const auto place_of = [&](double time) { return plot.area.x + time / end * plot.area.width; };
+
+  const std::string title = measure == Measure::distance ? "Mean distance from the truth"
+                            : signs                      ? "Energy gained or lost"
+                                                         : "Stretch of the worst link";
+  const double left = area.x + 0.6 * size;
+  const double fits = std::min(1.0, (area.width - size) / bold_.width(title, unit_));
+  for (picture::Picture* picture : {&faint_, &full_}) {
+    const int top = int(std::lround(height_of(kept))),
+              bottom = int(std::lround(height_of(signs ? -kept : 0)));
+    picture::fill(*picture, {plot.area.x, top, plot.area.width, bottom - top}, kBand);
+    bold_.draw(*picture, title, left, area.y + 1.3 * unit_, fits * unit_, kInk);
+    if (!any)
+      font_.draw(*picture, "need not be kept here", plot.area.x + size,
+                 plot.area.y + 0.5 * plot.area.height, size, kGrey);
+    // Decades from that of what is kept on, outwards; zero.
+    std::vector<double> tics{0};
+    const double unit =
+        measure == Measure::distance ? std::pow(10, std::ceil(std::log10(least))) : kept;
+    for (double tic = unit; tic <= kMost; tic *= 10) {
+      tics.push_back(tic);
+      if (signs) tics.push_back(-tic);
+    }
+    std::vector<double> taken;
+    for (const double tic : tics) {
+      const double at = scaled(tic, least);
+      if (at < plot.low || at > plot.high) continue;
+      const double y = height_of(tic);
+      if (std::ranges::any_of(taken,
+                              [&](double other) { return std::abs(y - other) < 1.1 * size; }))
+        continue;
+      taken.push_back(y);
+      picture::fill(*picture, {plot.area.x, int(y), plot.area.width, 1}, kLine);
+      const std::string text = measure == Measure::distance ? fmt::format("{:g} mm", 1e3 * tic)
+                                                            : fmt::format("{}{:g}%",
+                                                                          tic < 0            ? "−"
+                                                                          : signs && tic > 0 ? "+"
+                                                                                             : "",
+                                                                          100 * std::abs(tic));
+      font_.draw(*picture, text, plot.area.x - 0.4 * size - font_.width(text, 0.9 * size),
+                 y + 0.33 * size, 0.9 * size, kGrey);
+    }
+    const double step = [&] {
+      const double power = std::pow(10, std::floor(std::log10(end)));
+      for (const double part : {0.1, 0.2, 0.5, 1.0})
+        if (place_of(part * power) - place_of(0) > 3.2 * size) return part * power;
+      return power;
+    }();
+    for (int k = 0; k * step <= end * (1 + 1e-9); ++k) {
+      const std::string text = fmt::format("{:g}{}", k * step, k == 0 ? " s" : "");
+      font_.draw(*picture, text, place_of(k * step) - font_.width(text, 0.9 * size) / 2,
+                 plot.area.top() + 1.2 * size, 0.9 * size, kGrey);
+      picture::fill(*picture, {int(place_of(k * step)), plot.area.top() - 3, 1, 3}, kGrey);
+    }
+    if (comparison_.by_truth && comparison_.horizon < end)
+      picture::fill(*picture,
+                    {int(place_of(comparison_.horizon)), plot.area.y, 1, plot.area.height}, kGrey);
+    for (const ComparedMethod& method : comparison_.methods) {
+      std::vector<std::array<double, 2>> line;
+      const std::vector<double>& values = values_of(method);
+      for (std::size_t k = 0; k < values.size(); ++k)
+        line.push_back(
+            {place_of(comparison_.times[k]), height_of(std::clamp(values[k], -kMost, kMost))});
+      picture::stroke(*picture, line, std::max(0.13 * unit_, 1.2), rgb(method.style.color),
+                      picture == &full_ ? 1 : 0.22);
+    }
+    picture::fill(*picture, {plot.area.x, plot.area.y, 1, plot.area.height}, kGrey);
   }
-  double y = bottom + 0.6 * size;
-  picture::fill(still_, {int(left), int(y), int(right - left), 1}, kGrey);
-  for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    y += row;
-    picture::fill(still_,
-                  {int(left - 0.7 * size), int(y - 0.75 * size), int(0.4 * size), int(0.8 * size)},
-                  rgb(comparison_.methods[r].style.color));
-    for (std::size_t c = 0; c < table.columns.size(); ++c)
-      put(c ? font_ : bold_, table.rows[r][c], c, y, kInk);
+  plots_.push_back(plot);
+}
+
+/// CPU time as bars on a logarithmic scale, and how many times real time that is.
+void ComparisonFilm::draw_costs() {
+  const picture::Rect& area = areas_.costs;
+  const double left = area.x + unit_, right = area.right() - unit_;
+  bold_.draw(faint_, "CPU time for 1 s of motion", left, area.y + 1.3 * unit_, unit_, kInk);
+  const double size = unit_, small = 0.85 * unit_;
+  double names = 0, texts = 0, least = INFINITY, most = 0;
+  struct Cost {
+    double seconds;  // to a second of motion
+    std::string text;
+  };
+  std::vector<Cost> costs;
+  for (const ComparedMethod& method : comparison_.methods) {
+    const double seconds = 1e-6 * method.cpu_us * comparison_.fps;
+    std::string text = "not run";
+    if (seconds > 0) {
+      least = std::min(least, seconds);
+      most = std::max(most, seconds);
+      text = two_digits(1 / seconds) + " times real time";
+    }
+    costs.push_back({seconds, text});
+    names = std::max(names, bold_.width(method.label, size));
+    texts = std::max(texts, font_.width(text, small));
   }
-  y += 1.2 * row;
-  std::string note =
-      "Distances: means over segments and frames, from the truth up to its horizon. ";
-  if (comparison_.horizon > 0)
-    note += fmt::format("Translucent: the truth, known to {:.0e} m and predictable for {:.3g} s.",
-                        comparison_.self_error, comparison_.horizon);
-  else
-    note += "Here the truth is not predictable for a single frame.";
-  for (const std::string& line : picture::wrapped(font_, note, size, right - left)) {
-    font_.draw(still_, line, left, y, size, kGrey);
-    y += 1.35 * size;
+  if (!(most > 0)) least = most = 1e-3;
+  const double low = std::floor(std::log10(least) - 0.3), high = std::log10(most);
+  const double start = left + names + unit_, wide = right - start - texts - 0.6 * unit_;
+  const double row = std::min(
+      1.75 * unit_, (area.height - 3.4 * unit_) / double(std::max<std::size_t>(costs.size(), 1)));
+  if (wide < 4 || row < 2) return;
+  const auto length_of = [&](double seconds) {
+    return std::max((std::log10(seconds) - low) / std::max(high - low, 1e-9) * wide, 1.0);
+  };
+  const double top = area.y + 1.9 * unit_, bottom = top + row * double(costs.size());
+  double free = start - unit_;  // where the next label may begin
+  for (double power = low; power <= high + 1e-9; power += 1) {
+    const double x = start + (power - low) / std::max(high - low, 1e-9) * wide;
+    picture::fill(faint_, {int(x), int(top), 1, int(bottom - top)}, kLine);
+    const std::string text = decade(std::pow(10, power));
+    const double half = font_.width(text, small) / 2;
+    if (x - half < free) continue;
+    font_.draw(faint_, text, x - half, bottom + 1.2 * small, small, kGrey);
+    free = x + half + small;
+  }
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const ComparedMethod& method = comparison_.methods[i];
+    const double line = top + row * (double(i) + 0.5) + 0.36 * size;
+    bold_.draw(faint_, method.label, left, line, size, kInk);
+    double x = start;
+    if (costs[i].seconds > 0) {
+      const double bar = length_of(costs[i].seconds);
+      picture::fill(faint_,
+                    {int(start), int(top + row * (double(i) + 0.2)), int(std::lround(bar)),
+                     std::max(int(0.6 * row), 1)},
+                    rgb(method.style.color));
+      x += bar + 0.5 * unit_;
+    }
+    font_.draw(faint_, costs[i].text, x, line, small, kInk);
   }
 }
 
-void ComparisonFilm::draw_cursor(picture::Picture& picture, std::size_t frame) {
+void ComparisonFilm::draw_cursor(picture::Picture& picture, std::size_t instant) {
   const double end = std::max(comparison_.times.back(), 1e-9);
-  const int wide = std::max(height_ / 540, 1);
-  for (const chart::PlotArea& plot : plots_) {
-    const double x = std::lerp(plot.left, plot.right, comparison_.times[frame] / end);
-    const int top = int(std::lround(plot.top)), high = int(std::lround(plot.bottom)) - top;
-    // The rest of the curve is only hinted at.
-    picture::fill(picture, {int(x) + 1, top + 1, int(plot.right) - int(x) - 1, high - 2}, kPaper,
-                  0.82);
-    picture::fill(picture, {int(x), top, wide, high}, kInk, 0.8);
+  const int wide = std::max(int(0.1 * unit_), 1);
+  for (const Plot& plot : plots_) {
+    const auto [left, top, width, height] = plot.area;
+    const int x =
+        left + int(std::lround(std::min(comparison_.time_of(instant) / end, 1.0) * width));
+    for (int y = top; y < plot.area.top(); ++y)
+      std::copy_n(full_.at(left, y), std::size_t(x - left) * 4, picture.at(left, y));
+    picture::fill(picture, {x, top, wide, height}, kInk, 0.8);
   }
-  const double size = 0.024 * height_;
-  const std::string text = fmt::format("{:.2f} s", comparison_.times[frame]);
-  bold_.draw(picture, text, areas_.table.x + 0.7 * size, areas_.table.y + 3 * size, size, kInk);
 }
 
 }  // namespace taut::film

@@ -99,7 +99,8 @@ class TubeMesh final : public ConnectorMesh {
       for (const std::uint32_t i : unit_ball().indices) indices_.push_back(first + i);
       // On the crest of a strand everywhere, of a rope without end: its pattern leaves the ball
       // plain.
-      rest_.resize(rest_.size() + unit_ball().vertices.size(), {Vec3f(1 / 6.0f, 0, 1e9f), kIron});
+      rest_.resize(rest_.size() + unit_ball().vertices.size(),
+                   {Vec3f(1 / 6.0f, 0, 1e9f), look.weight_color.cast<float>()});
       weights_.push_back({particle, *radius});
     }
   }
@@ -125,7 +126,6 @@ class TubeMesh final : public ConnectorMesh {
 
  private:
   static constexpr std::uint32_t kSides = 10;
-  inline static const Vec3f kIron{0.05f, 0.055f, 0.065f};
 
   std::pair<Vec3, Vec3> curve(std::span<const Vec3> p, std::size_t ring) const {
     const std::size_t i = std::min(ring / steps_, spans_ - 1);

@@ -1,6 +1,8 @@
 // Flat shapes and lines of text on finished pictures.
 #pragma once
 
+#include <array>
+#include <span>
 #include <string>
 
 #include "render/picture/picture.h"
@@ -11,6 +13,11 @@ namespace taut::picture {
 
 /// Blends a colour over a rectangle (from the upper left corner), as far as it lies inside.
 void fill(Picture& picture, const Rect& rect, Rgb color, double opacity = 1);
+
+/// Blends a line through points (px from the upper left corner) over the picture, its edges and its
+/// joints smooth; a point that is not finite breaks it.
+void stroke(Picture& picture, std::span<const std::array<double, 2>> points, double width,
+            Rgb color, double opacity = 1);
 
 /// Blends a colour over the picture softly round a line of text, at most `opacity` of it and
 /// nothing farther than the letters' size away: pale letters over it are read on any ground.

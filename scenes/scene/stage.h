@@ -42,6 +42,7 @@ struct ConnectorLook {
   Kind kind = Kind::rope;
   double diameter = 0.008;  // m, of the rope or cord, or of a link's outer width
   Vec3 color = Vec3(0.6, 0.5, 0.35);
+  Vec3 weight_color = Vec3(0.05, 0.055, 0.065);  // of balls for point masses at its ends: iron
 };
 
 /// A line of text on the picture between two times. Text behind a tab is in one column in all
