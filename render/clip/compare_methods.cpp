@@ -88,12 +88,9 @@ std::vector<Snapshot> instants_of(const study::Problem& problem, const MethodCho
   return result;
 }
 
-/// A row per method. The paper's distance from dynamic constraints stands there where these are
-/// right, or another judge is there.
+/// A row per method. Distances stand there where a truth tells which are those of right methods.
 chart::Table table_of(const film::Comparison& comparison, bool by_paper) {
-  for (const film::ComparedMethod& method : comparison.methods)
-    if (method.label == find_method(PaperRole::dynamic_constraints)->name)
-      by_paper &= comparison.by_truth || method.verdict.grade == film::Verdict::Grade::kept;
+  by_paper &= comparison.by_truth;
   chart::Table table;
   table.columns = {"method"};
   if (by_paper) table.columns.push_back("from dynamic constraints, mm");
@@ -114,15 +111,16 @@ chart::Table table_of(const film::Comparison& comparison, bool by_paper) {
 }
 
 /// What methods are judged by, in a line.
-std::string judged_by(const film::Comparison& comparison, const Laws& laws) {
+std::string judged_by(const film::Comparison& comparison, const Laws& laws, bool solved) {
   const std::string share = options::percent(film::kKept);
   if (comparison.by_truth) {
     return fmt::format("Right: at most {} of the length from the truth, predictable for {:.3g} s",
                        share, comparison.horizon);
   }
   const std::string kept = words_of(laws);
-  if (kept.empty()) return "The motion is not predictable, and no law tells right from wrong";
-  return fmt::format("Right: keeps {}, to {}. The motion itself is not predictable", kept, share);
+  const char* why = solved ? "The motion itself is not predictable" : "No truth is known";
+  if (kept.empty()) return fmt::format("{}, and no law tells right from wrong", why);
+  return fmt::format("Right: {}, within {}. {}", kept, share, why);
 }
 
 }  // namespace
@@ -166,7 +164,17 @@ film::Comparison compare_methods(const scenes::Scene& scene,
   if (!quiet) program::note("solving the truth\n");
   truth::TruthOptions accuracy;
   if (length > 0) accuracy.scored_error = kScored * length;
-  truth::Reference truth = studies::solved_truth(scene, problem.times, accuracy);
+  truth::Reference truth;
+  std::string unsolved;
+  try {
+    truth = studies::solved_truth(scene, problem.times, accuracy);
+  } catch (const Diverged& error) {  // as of contact with materials
+    unsolved = error.what();
+    if (!quiet) program::note("no truth: {}\n", unsolved);
+  }
+  if (truth.frames.empty())
+    truth.frames.push_back(
+        Simulation(problem.world, make_method("direct", {}), problem.timeline).state());
   const std::size_t predictable =
       std::size_t(std::ranges::upper_bound(problem.times, truth.horizon) - problem.times.begin());
 
@@ -209,7 +217,11 @@ film::Comparison compare_methods(const scenes::Scene& scene,
   result.length = length_scale(scene.world);
   result.by_truth = predictable > 1 && 4 * predictable >= problem.times.size() && result.length > 0;
   result.slower = settings.slower.value_or(result.by_truth ? 1 : kSlower);
-  result.judged = judged_by(result, laws);
+  result.judged = judged_by(result, laws, unsolved.empty());
+  result.loses = laws.loses;
+  result.energy_scale = kinetic_energy(scene.world) > film::kKept * laws.energy
+                            ? "of weight × length + motion"
+                            : "of weight × length";
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const study::Run& run = runs[i];
     const MethodChoice candidate = candidate_on(scene, contenders[i]);

@@ -57,7 +57,10 @@ film::Verdict stopped(const study::Run& run) {
 Laws laws_of(const World& world, const Timeline& timeline) {
   Laws laws;
   if (is_closed(world) && timeline.empty()) laws.energy = std::max(energy_scale(world), 0.0);
-  laws.loses = has_contact(world) || has_strings(world);
+  laws.loses = has_contact(world) || has_strings(world) ||
+               std::ranges::any_of(world.connectors, [](const Connector& connector) {
+                 return connector.model == ConnectorModel::span;
+               });
   if (laws.energy > 0 && !has_contact(world) && !is_held(world))
     laws.momentum = std::sqrt(2 * laws.energy * moving_mass(world));
   laws.length = std::ranges::none_of(world.connectors, &Connector::stretches);
@@ -66,10 +69,13 @@ Laws laws_of(const World& world, const Timeline& timeline) {
 
 std::string words_of(const Laws& laws) {
   std::vector<std::string> kept;
-  if (laws.energy > 0) kept.push_back("energy");
+  if (laws.energy > 0 && !laws.loses) kept.push_back("energy");
   if (laws.length) kept.push_back("length");
   if (laws.momentum > 0) kept.push_back("momentum");
-  return joined(kept);
+  std::vector<std::string> words;
+  if (laws.energy > 0 && laws.loses) words.push_back("gains no energy");
+  if (!kept.empty()) words.push_back("keeps " + joined(kept));
+  return joined(words);
 }
 
 film::Verdict by_laws(const study::Run& run, const Laws& laws) {
@@ -103,7 +109,7 @@ film::Verdict by_laws(const study::Run& run, const Laws& laws) {
     broken.push_back(fmt::format("loses {} energy", percent(loss)));
   if (stretch > film::kKept) broken.push_back(fmt::format("stretches by {}", percent(stretch)));
   if (momentum > film::kKept) broken.push_back(fmt::format("gains {} momentum", percent(momentum)));
-  verdict.text = broken.empty() ? "keeps " + kept : joined(broken);
+  verdict.text = broken.empty() ? kept : joined(broken);
   return verdict;
 }
 
@@ -118,9 +124,11 @@ film::Verdict by_truth(const study::Run& run, const std::vector<double>& distanc
   std::string size = fmt::format("{:.0f} mm", mm);
   if (verdict.grade == Grade::kept) {  // "within" is rounded up, to one digit
     const double digit = std::pow(10, std::floor(std::log10(std::max(mm, 1e-4))));
-    size = fmt::format("{:.1g} mm", std::max(std::ceil(mm / digit - 1e-9) * digit, 1e-3));
+    size = fmt::format("{:g} mm", std::max(std::ceil(mm / digit - 1e-9) * digit, 1e-3));
   } else if (mm < 9.95) {
     size = fmt::format("{:.2g} mm", mm);
+  } else if (mm >= 1e3) {
+    size = fmt::format("{:.3g} m", most);
   }
   verdict.text = verdict.grade == Grade::kept ? fmt::format("within {} of the truth", size)
                                               : fmt::format("{} from the truth", size);
@@ -131,7 +139,7 @@ std::string duration_text(double seconds) {
   const auto two = [](double value) {
     return value < 9.95 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
   };
-  if (seconds < 0.9995e-3) return two(1e6 * seconds) + " µs";
+  if (seconds < 0.995e-5) return two(1e6 * seconds) + " µs";
   if (seconds < 0.9995) return two(1e3 * seconds) + " ms";
   return two(seconds) + " s";
 }

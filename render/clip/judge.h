@@ -12,12 +12,12 @@ namespace taut::clips {
 /// What must hold in a world.
 struct Laws {
   double energy = 0;    // J, the scale of changes; 0: energy need not be kept
-  bool loses = false;   // energy may be lost, to contact or as strings go taut
+  bool loses = false;   // energy may be lost, to contact or as strings and spans go taut
   double momentum = 0;  // kg m/s, the scale of changes; 0: something holds the world
   bool length = false;  // links do not stretch
 };
 Laws laws_of(const World& world, const Timeline& timeline);
-/// The laws in words: "energy and length"; empty: none holds.
+/// What a method does that obeys them: "keeps energy and length"; empty: there is no law.
 std::string words_of(const Laws& laws);
 
 /// "keeps energy and length", "gains 180% energy and stretches by 11%". An error of film::kKept of

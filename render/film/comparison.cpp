@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +20,7 @@ constexpr float kGhost = 0.35f;    // opacity
 constexpr float kOverlay = 0.85f;  // opacity of methods over each other
 constexpr double kUnit = 0.0215;   // of the picture's height, that of the type
 constexpr double kSmallest = 10;   // px, of the type
-constexpr double kCharts = 0.56;   // of the picture's width; the rest is the costs'
+constexpr double kCharts = 0.52;   // of the picture's width; the rest is the costs'
 constexpr double kPanel = 0.42;    // of its width, where methods lie over each other
 constexpr int kMostColumns = 6;
 constexpr std::size_t kMostTethers = 4;  // whose reach is drawn
@@ -63,10 +64,21 @@ std::vector<picture::Rect> cells(std::size_t count, int columns, const picture::
   return result;
 }
 
-void add_points(const Snapshot& state, std::vector<Vec3>& points) {
-  for (const auto& particles : state.connectors)
-    points.insert(points.end(), particles.begin(), particles.end());
-  for (const Pose& body : state.bodies) points.push_back(body.position);
+/// The corners of the boxes round the models of bodies, in their own frames.
+std::vector<std::vector<Vec3>> corners(const scenes::Stage& stage) {
+  std::vector<std::vector<Vec3>> result;
+  for (const auto& model : stage.body_models) {
+    Eigen::AlignedBox3d box;
+    if (model)
+      for (const scenes::Mesh& mesh : model->meshes)
+        for (const auto& vertex : mesh.vertices)
+          box.extend(Vec3(vertex.position[0], vertex.position[1], vertex.position[2]));
+    std::vector<Vec3>& points = result.emplace_back();
+    if (box.isEmpty()) points.push_back(Vec3::Zero());
+    for (int k = 0; k < 8 && !box.isEmpty(); ++k)
+      points.push_back(box.corner(Eigen::AlignedBox3d::CornerType(k)));
+  }
+  return result;
 }
 
 /// A circle round `centre` in the plane that faces the camera.
@@ -128,7 +140,7 @@ ComparisonFilm::Areas ComparisonFilm::areas(int width, int height, double unit, 
                                             Layout layout) {
   const int header = std::clamp(int(2.2 * unit), 1, std::max(height / 4, 1));
   const int costs =
-      std::clamp(int((double(methods) + 3) * 1.5 * unit), height * 32 / 100, height * 42 / 100);
+      std::clamp(int((double(methods) + 2.6) * 1.4 * unit), height * 31 / 100, height * 42 / 100);
   const auto at_least = [](picture::Rect rect) {
     rect.width = std::max(rect.width, 1);
     rect.height = std::max(rect.height, 1);
@@ -151,6 +163,10 @@ ComparisonFilm::Areas ComparisonFilm::areas(int width, int height, double unit, 
           {middle, height - costs, width - middle, costs}};
 }
 
+double ComparisonFilm::verdict_size(const picture::Rect& cell) const {
+  return cell.width < 12 * unit_ ? 0.9 * unit_ : unit_;
+}
+
 std::vector<ComparisonFilm::Panel> ComparisonFilm::panels(int columns) {
   if (layout_ == Layout::over) return {{areas_.panels, areas_.panels}};
   std::vector<Panel> result;
@@ -161,8 +177,9 @@ std::vector<ComparisonFilm::Panel> ComparisonFilm::panels(int columns) {
     const double rows = double(name_lines(method, width).size()) * 1.25 +
                         double(numbers(method, 0).size() > 1 && width < 16 * unit_ ? 2 : 1) * 1.2;
     above = std::max(above, int((rows + 0.9) * unit_));
-    const auto lines = picture::wrapped(bold_, method.verdict.text, unit_, width);
-    below = std::max(below, int((double(lines.size()) * 1.25 + 0.6) * unit_));
+    const double size = verdict_size(found.front());
+    const auto lines = picture::wrapped(bold_, method.verdict.text, size, width);
+    below = std::max(below, int((double(lines.size()) * 1.25 + 0.6) * size));
   }
   for (const picture::Rect& cell : found) {
     const int top = std::min(above, cell.height / 3), bottom = std::min(below, cell.height / 3);
@@ -171,39 +188,48 @@ std::vector<ComparisonFilm::Panel> ComparisonFilm::panels(int columns) {
   return result;
 }
 
-/// Everything that moves, and the circles of reach. What goes far beyond its reach is left out.
+/// Everything that moves, and the circles of reach. What goes far beyond the only reach is left
+/// out.
 std::vector<Vec3> ComparisonFilm::framed_points() const {
   std::vector<Vec3> points;
   const scenes::CameraView camera = scenes::camera_at(scene_.stage->camera, 0);
-  const Snapshot& start = comparison_.truth.front();
-  for (const Tether& tether : tethers_) {
-    const auto& particles = start.connectors[tether.connector];
-    const auto round =
-        circle(tether.last ? particles.back() : particles.front(), tether.length, camera);
-    points.insert(points.end(), round.begin(), round.end());
-  }
-  for (const Snapshot& state : comparison_.truth)
-    if (state.time <= comparison_.horizon) add_points(state, points);
-  // Behind the truth's end as the first method has it that is right, or else the first.
-  const auto right = std::ranges::find_if(comparison_.methods, [](const ComparedMethod& method) {
-    return method.verdict.grade == Verdict::Grade::kept;
-  });
+  const auto models = corners(*scene_.stage);
+  const auto add = [&](const Snapshot& state, bool reaches) {
+    double most = INFINITY;
+    Vec3 centre = Vec3::Zero();
+    for (const Tether& tether : tethers_) {
+      const auto& particles = state.connectors[tether.connector];
+      centre = tether.last ? particles.back() : particles.front();
+      if (tethers_.size() == 1 && state.bodies.empty()) most = kFramed * tether.length;
+      if (!reaches) continue;
+      const auto round = circle(centre, tether.length, camera);
+      points.insert(points.end(), round.begin(), round.end());
+    }
+    const auto add_point = [&](const Vec3& point) {
+      if (point.allFinite() && (point - centre).norm() <= most) points.push_back(point);
+    };
+    for (const auto& particles : state.connectors)
+      for (const Vec3& particle : particles) add_point(particle);
+    for (std::size_t b = 0; b < state.bodies.size(); ++b)
+      if (b < models.size())
+        for (const Vec3& corner : models[b])
+          add_point(state.bodies[b].position + state.bodies[b].rotation * corner);
+  };
+  // As the truth has it; behind its end, as the first of the best methods has it.
+  std::size_t known = 0;
+  while (known < comparison_.truth.size() &&
+         (known == 0 || comparison_.truth[known].time <= comparison_.horizon))
+    add(comparison_.truth[known++], true);
   const ComparedMethod& shown =
-      right == comparison_.methods.end() ? comparison_.methods.front() : *right;
-  const std::size_t first = tethers_.empty() ? 0 : points.size();
+      *std::ranges::min_element(comparison_.methods, {}, [](const ComparedMethod& method) {
+        return method.verdict.grade;  // in their order, the right ones first
+      });
+  const bool all =
+      layout_ == Layout::over || (tethers_.size() == 1 && comparison_.truth.front().bodies.empty());
   for (const ComparedMethod& method : comparison_.methods)
-    if (&method == &shown || layout_ == Layout::over || tethers_.size() == 1)
-      for (const Snapshot& state : method.states) add_points(state, points);
-  if (tethers_.size() == 1) {
-    const Tether& tether = tethers_.front();
-    const auto& particles = start.connectors[tether.connector];
-    const Vec3 centre = tether.last ? particles.back() : particles.front();
-    const double most = kFramed * tether.length;
-    points.erase(std::remove_if(points.begin() + std::ptrdiff_t(first), points.end(),
-                                [&](const Vec3& p) { return !((p - centre).norm() <= most); }),
-                 points.end());
-  }
-  std::erase_if(points, [](const Vec3& p) { return !p.allFinite(); });
+    if (all || &method == &shown)
+      for (std::size_t k = all ? 0 : known; k < method.states.size(); ++k)
+        add(method.states[k], &method == &shown && k % std::size_t(comparison_.slower) == 0);
   return points;
 }
 
@@ -355,6 +381,10 @@ picture::Picture ComparisonFilm::draw(const Moment& moment) {
   const std::size_t at = moment.instant;
   picture::Picture picture = faint_;
   picture::paste(draw_scene(at), picture, areas_.panels.x, areas_.panels.y);
+  // Places of the grid that no panel has.
+  const picture::Rect& end = panels_.back().cell;
+  picture::fill(picture, {end.right(), end.y, areas_.panels.right() - end.right(), end.height},
+                kPaper);
   for (std::size_t i = 0; i < panels_.size(); ++i)
     draw_reach(picture, panels_[i], state_of(comparison_.methods[i], at), comparison_.time_of(at));
   if (layout_ == Layout::over)

@@ -59,6 +59,8 @@ struct Comparison {
   double length = 0;            // m, of which the distance from the truth may be kKept
   bool by_truth = false;        // verdicts are of the distance from the truth, else of the laws
   std::string judged;           // what by, in a line
+  std::string energy_scale;     // in words: 100% of energy
+  bool loses = false;           // energy may be lost
   std::vector<ComparedMethod> methods;
   std::vector<std::string> result;  // the clauses of the sentence that sums it up
   chart::Table table;               // a row per method
@@ -117,6 +119,7 @@ class ComparisonFilm {
 
   void lay_out();
   std::vector<Panel> panels(int columns);
+  double verdict_size(const picture::Rect& cell) const;
   scenes::CameraView camera(double time) const;
   std::vector<Vec3> framed_points() const;
   draw::FrameState instant(const Snapshot& state, double time) const;

@@ -44,17 +44,24 @@ std::string two_digits(double value) {
 
 void ComparisonFilm::draw_charts() {
   const picture::Rect& area = areas_.charts;
-  const std::array measures = comparison_.by_truth ? std::array{Measure::distance, Measure::stretch}
-                                                   : std::array{Measure::energy, Measure::stretch};
-  const int half = area.width / 2;
-  for (int i = 0; i < 2; ++i)
-    draw_chart(measures[std::size_t(i)], {area.x + i * half, area.y, half, area.height});
+  std::vector<Measure> measures;
+  if (comparison_.by_truth)
+    measures.push_back(Measure::distance);
+  else if (std::ranges::any_of(comparison_.methods,
+                               [](const ComparedMethod& method) { return !method.energy.empty(); }))
+    measures.push_back(Measure::energy);
+  measures.push_back(Measure::stretch);
+  const int wide = area.width / int(measures.size());
+  for (int i = 0; const Measure measure : measures)
+    draw_chart(measure, {area.x + i++ * wide, area.y, wide, area.height});
 }
 
 void ComparisonFilm::draw_chart(Measure measure, const picture::Rect& area) {
   const double size = 0.85 * unit_;
-  Plot plot{.area = {area.x + int(4.2 * size), area.y + int(1.9 * unit_),
-                     area.width - int(5.2 * size), area.height - int(3.6 * unit_)}};
+  Plot plot{.area = {area.x + int((measure == Measure::distance ? 5 : 4.2) * size),
+                     area.y + int(1.9 * unit_),
+                     area.width - int((measure == Measure::distance ? 6 : 5.2) * size),
+                     area.height - int(3.6 * unit_)}};
   if (plot.area.width < 8 || plot.area.height < 8) return;
   const bool signs = measure == Measure::energy;
   const double kept = measure == Measure::distance ? kKept * comparison_.length : kKept;
@@ -66,13 +73,11 @@ void ComparisonFilm::draw_chart(Measure measure, const picture::Rect& area) {
   };
   plot.high = scaled(2 * kept, least);
   plot.low = signs ? -plot.high : 0;
-  bool any = false;
   for (const ComparedMethod& method : comparison_.methods)
     for (const double value : values_of(method)) {
       const double y = scaled(std::clamp(value, -kMost, kMost), least);
       plot.low = std::min(plot.low, signs ? 1.05 * y : 0.0);
       plot.high = std::max(plot.high, 1.05 * y);
-      any = true;
     }
   const double end = std::max(comparison_.times.back(), 1e-9);
   const auto height_of = [&](double value) {
@@ -85,15 +90,16 @@ void ComparisonFilm::draw_chart(Measure measure, const picture::Rect& area) {
                             : signs                      ? "Energy gained or lost"
                                                          : "Stretch of the worst link";
   const double left = area.x + 0.6 * size;
-  const double fits = std::min(1.0, (area.width - size) / bold_.width(title, unit_));
+  const double fits = std::min(1.0, (area.width - 1.6 * size) / bold_.width(title, unit_));
   for (picture::Picture* picture : {&faint_, &full_}) {
     const int top = int(std::lround(height_of(kept))),
-              bottom = int(std::lround(height_of(signs ? -kept : 0)));
+              bottom = signs && comparison_.loses ? plot.area.top()
+                                                  : int(std::lround(height_of(signs ? -kept : 0)));
     picture::fill(*picture, {plot.area.x, top, plot.area.width, bottom - top}, kBand);
     bold_.draw(*picture, title, left, area.y + 1.3 * unit_, fits * unit_, kInk);
-    if (!any)
-      font_.draw(*picture, "need not be kept here", plot.area.x + size,
-                 plot.area.y + 0.5 * plot.area.height, size, kGrey);
+    const double scale = left + bold_.width(title, unit_) + 0.6 * unit_;
+    if (signs && scale + font_.width(comparison_.energy_scale, size) < area.right() - 0.3 * unit_)
+      font_.draw(*picture, comparison_.energy_scale, scale, area.y + 1.3 * unit_, size, kGrey);
     // Decades from that of what is kept on, outwards; zero.
     std::vector<double> tics{0};
     const double unit =
@@ -123,9 +129,9 @@ void ComparisonFilm::draw_chart(Measure measure, const picture::Rect& area) {
     }
     const double step = [&] {
       const double power = std::pow(10, std::floor(std::log10(end)));
-      for (const double part : {0.1, 0.2, 0.5, 1.0})
+      for (const double part : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0})
         if (place_of(part * power) - place_of(0) > 3.2 * size) return part * power;
-      return power;
+      return 10 * power;
     }();
     for (int k = 0; k * step <= end * (1 + 1e-9); ++k) {
       const std::string text = fmt::format("{:g}{}", k * step, k == 0 ? " s" : "");

@@ -146,9 +146,10 @@ void ComparisonFilm::draw_panel(picture::Picture& picture, std::size_t index, st
 
   picture::fill(picture, {cell.x, view.top(), cell.width, cell.top() - view.top()},
                 rgb(method.verdict.grade));
-  double at = view.top() - 0.05 * unit_;
-  for (const std::string& text : picture::wrapped(bold_, method.verdict.text, unit_, width))
-    bold_.draw(picture, text, cell.x + gap, at += 1.25 * unit_, fitted(bold_, text, unit_, width),
+  const double size = verdict_size(cell);
+  double at = view.top() - 0.05 * size;
+  for (const std::string& text : picture::wrapped(bold_, method.verdict.text, size, width))
+    bold_.draw(picture, text, cell.x + gap, at += 1.25 * size, fitted(bold_, text, size, width),
                kPaper);
   for (const int edge : {cell.x, cell.right() - 1})
     picture::fill(picture, {edge, cell.y, 1, cell.height}, kPaper);
@@ -163,10 +164,21 @@ void ComparisonFilm::draw_list(picture::Picture& picture, std::size_t instant) {
   double names = 0, figures = 0;
   for (const ComparedMethod& method : comparison_.methods)
     names = std::max(names, bold_.width(method.label, size));
-  const std::size_t columns = comparison_.by_truth ? 1 : 2;
+  std::size_t columns = comparison_.by_truth ? 1 : 2;
   figures = font_.width("+0000%", size);
   const double first = area.x + gap + 1.2 * size;
-  if (!comparison_.by_truth) {
+  // All verdicts in letters of one size; numbers where there is room for them.
+  double verdict = size;
+  const auto left = [&] { return first + names + double(columns) * (figures + gap) + gap; };
+  for (const bool roomy : {true, false}) {
+    if (!roomy) columns = 0;
+    verdict = size;
+    for (const ComparedMethod& method : comparison_.methods)
+      verdict =
+          std::min(verdict, fitted(bold_, method.verdict.text, size, area.right() - gap - left()));
+    if (verdict > 0.85 * size) break;
+  }
+  if (columns == 2) {
     for (std::size_t c = 0; c < 2; ++c) {
       const std::string text = c ? "stretch" : "energy";
       const double end = first + names + double(c + 1) * (figures + gap);
@@ -182,17 +194,14 @@ void ComparisonFilm::draw_list(picture::Picture& picture, std::size_t instant) {
                   rgb(method.style.color));
     bold_.draw(picture, method.label, first, y, size, kInk);
     const auto lines = numbers(method, instant);
-    for (std::size_t c = 0; c < lines.size(); ++c) {
+    for (std::size_t c = 0; c < lines.size() && columns > 0; ++c) {
       const std::string value =
           comparison_.by_truth ? lines[c] : lines[c].substr(lines[c].find(' ') + 1);
       const std::size_t column = lines[c].starts_with("stretch") ? 1 : 0;
       const double end = first + names + double(column + 1) * (figures + gap);
       font_.draw(picture, value, end - font_.width(value, size), y, size, kInk);
     }
-    const double left = first + names + double(columns) * (figures + gap) + gap;
-    bold_.draw(picture, method.verdict.text, left, y,
-               fitted(bold_, method.verdict.text, size, area.right() - gap - left),
-               rgb(method.verdict.grade));
+    bold_.draw(picture, method.verdict.text, left(), y, verdict, rgb(method.verdict.grade));
   }
 }
 
@@ -253,7 +262,7 @@ void ComparisonFilm::draw_card(picture::Picture& picture, double shown) {
     const Verdict::Grade grade =
         of == comparison_.methods.end() ? Verdict::Grade::none : of->verdict.grade;
     const bool right = grade == Verdict::Grade::kept;
-    const double size = (right ? 1.8 : 1.4) * unit_;
+    const double size = (right ? 1.6 : 1.35) * unit_;
     bool first = true;
     for (const std::string& part :
          picture::wrapped(right ? bold_ : font_, text, size, width - 1.6 * size)) {
@@ -278,6 +287,8 @@ void ComparisonFilm::draw_card(picture::Picture& picture, double shown) {
     (line.bold ? bold_ : font_)
         .draw(picture, line.text, left + 1.4 * size, y, size, line.bold ? kPaper : kClause);
   }
+  font_.draw(picture, "Times: CPU time for a second of motion", left, y + 2.2 * scale * unit_,
+             scale * unit_, {150, 146, 138});
 }
 
 }  // namespace taut::film
