@@ -158,7 +158,8 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
     if (code == 0) return;
     if (fault.in_children) {
       const bool is_full = fault.kind == kWrite && code == program::kCannotWrite;
-      EXPECT_TRUE(code == subject_.child_code || is_full);
+      const bool no_memory = fault.kind == kMemory && code == program::kNoMemory;
+      EXPECT_TRUE(code == subject_.child_code || is_full || no_memory);
       return;
     }
     std::string cause = std::strerror(kErrors[fault.kind]);
