@@ -118,9 +118,10 @@ int compare(const program::Common& common, const Options& options) {
   std::vector<std::filesystem::path> files;
   {
     program::Progress progress("rendering", "frames", frames.size(), common.quiet);
+    const std::uint64_t fingerprint = film::program_fingerprint();
     for (const int frame : frames) {
       render::stop_if_interrupted();
-      folder.put(frame, film::program_fingerprint(), film.draw(moments[std::size_t(frame)]));
+      folder.put(frame, fingerprint, film.draw(moments[std::size_t(frame)]));
       files.push_back(folder.file(frame));
       progress.update(files.size());
     }

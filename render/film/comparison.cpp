@@ -26,6 +26,9 @@ constexpr int kMostColumns = 6;
 constexpr std::size_t kMostTethers = 4;  // whose reach is drawn
 constexpr double kFramed = 1.5;  // times the reach, up to which what moves is kept in the panel
 
+/// Nothing casts a shadow: its map is as small as can be.
+constexpr draw::Shading kShading{.map_size = 64};
+
 /// sRGB to linear light (IEC 61966-2-1).
 Vec3 linear(picture::Rgb color) {
   Vec3 light;
@@ -120,7 +123,7 @@ ComparisonFilm::ComparisonFilm(const gl::Context& context, const scenes::Scene& 
       unit_(std::max(kUnit * height, kSmallest)),
       areas_(areas(width, height, unit_, comparison.methods.size(), layout)),
       canvas_(context, areas_.panels.width, areas_.panels.height, samples),
-      renderer_(context, *scene.stage, divided(scene.world, scene.timeline)),
+      renderer_(context, *scene.stage, divided(scene.world, scene.timeline), kShading),
       faint_(width, height) {
   if (layout_ == Layout::over) {
     for (const ComparedMethod& method : comparison_.methods)
@@ -128,7 +131,7 @@ ComparisonFilm::ComparisonFilm(const gl::Context& context, const scenes::Scene& 
           coloured(*scene.stage, linear(rgb(method.style.color)), scene.world.connectors.size()));
     for (const scenes::Stage& stage : coloured_)
       overlays_.push_back(std::make_unique<draw::StageRenderer>(
-          context, stage, divided(scene.world, scene.timeline)));
+          context, stage, divided(scene.world, scene.timeline), kShading));
   }
   lay_out();
   draw_costs();
@@ -349,7 +352,7 @@ void ComparisonFilm::draw_reach(picture::Picture& picture, const Panel& panel,
     picture::stroke(picture, line, std::max(0.08 * unit_, 1.0), {40, 70, 130}, 0.75);
     if (tethers_.size() > 1 || !std::isfinite(line.front()[0])) continue;
     const double size = 0.8 * unit_, wide = font_.width("reach", size);
-    font_.draw(picture, "reach", line.front()[0] - wide / 2, line.front()[1] + 1.2 * size, size,
+    font_.draw(picture, "reach", line.front()[0] - wide / 2, line.front()[1] - 0.35 * size, size,
                {40, 70, 130});
   }
 }
@@ -378,6 +381,7 @@ picture::Picture ComparisonFilm::draw_scene(std::size_t at) {
 }
 
 picture::Picture ComparisonFilm::draw(const Moment& moment) {
+  if (last_ == moment) return last_picture_;  // stops and the card stand still
   const std::size_t at = moment.instant;
   picture::Picture picture = faint_;
   picture::paste(draw_scene(at), picture, areas_.panels.x, areas_.panels.y);
@@ -396,6 +400,8 @@ picture::Picture ComparisonFilm::draw(const Moment& moment) {
   draw_header(picture, moment);
   if (!moment.stopped.empty()) draw_stop(picture, moment);
   if (moment.card > 0) draw_card(picture, moment.card);
+  last_ = moment;
+  last_picture_ = picture;
   return picture;
 }
 

@@ -11,23 +11,12 @@
 #include "render/chart/chart.h"
 #include "render/chart/table.h"
 #include "render/draw/stage_renderer.h"
+#include "render/film/verdict.h"
 #include "render/gl/canvas.h"
 #include "render/picture/text.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::film {
-
-/// What is said of a method, in words, and how bad it is.
-struct Verdict {
-  enum class Grade { kept, off, broken, none };  // none: there is nothing to judge by
-  Grade grade = Grade::none;
-  std::string text = {};
-  std::size_t worst = 0;  // the frame at which it is the farthest off
-};
-
-/// The largest error of a method that is right, as a share of what it is measured by: of the energy
-/// scale, of the length, of the momentum scale.
-inline constexpr double kKept = 0.01;
 
 /// A method's run of the scene.
 struct ComparedMethod {
@@ -76,6 +65,8 @@ struct Moment {
   int slower = 1;                         // than real time
   std::vector<std::size_t> stopped = {};  // the methods whose verdict is shown large
   double card = 0;                        // how much of the card there is to see, 0 to 1
+
+  bool operator==(const Moment&) const = default;
 };
 
 /// The clip. Where `slower` is above 1: slow motion that stops for about a second at the worst
@@ -169,6 +160,8 @@ class ComparisonFilm {
   std::vector<Plot> plots_;
   std::optional<std::size_t> drawn_;  // the instant of the picture below
   picture::Picture drawn_picture_;
+  std::optional<Moment> last_;  // drawn, and its picture
+  picture::Picture last_picture_;
 };
 
 }  // namespace taut::film

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "render/film/comparison.h"
+#include "render/film/verdict.h"
 #include "render/picture/text.h"
 
 namespace taut::film {

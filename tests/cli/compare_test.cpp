@@ -46,7 +46,7 @@ class Compare : public testing::Test {
 };
 
 TEST_F(Compare, SixMethodsInAClip) {
-  const ProgramResult outcome = compare({"--json"});
+  const ProgramResult outcome = compare({"--json", "--frames", "0-9,200"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   ASSERT_EQ(report.at("methods").size(), 6u);
@@ -115,7 +115,8 @@ TEST_F(Compare, AMethodThatStopsLeavesTheOthers) {
   broken.replace(broken.find("\"impulse\"\nstep = 0.001"), 22,
                  "\"springs\"\nintegrator = \"explicit-euler\"\nstep = 0.02\nstiffness = 1e6");
   scene_ = folder_.write("broken.toml", broken);
-  const ProgramResult outcome = compare({"--methods", "springs,direct", "--no-video", "--json"});
+  const ProgramResult outcome =
+      compare({"--methods", "springs,direct", "--no-video", "--json", "--frames", "9"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   EXPECT_LT(report.at("methods")[0].at("frames"), 10);
