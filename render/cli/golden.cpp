@@ -161,8 +161,8 @@ pixels differ by more than 2 of 255, none by more than 16. A driver other than t
 golden picture may move edges by a pixel. `check` also simulates each scene and fails if a state is
 further than `within` from the kept one. `within` is twice the tolerance of a method that has one,
 and 1e-6 m otherwise. Every machine compares alike. Pictures that differ, report.json and index.html
-are left in out/golden. `accept` keeps today's pictures, drawn from the kept states; if a scene moved
-by more than `within`, it keeps today's states.)");
+are left in out/golden. `accept` keeps today's pictures, drawn from the kept states; if a scene
+moved by more than `within`, it keeps today's states.)");
   const auto options = std::make_shared<Options>();
   command.add_option("action", options->action, "check or accept")
       .required()
