@@ -56,7 +56,7 @@ class Animation:
         return (self.last - self.first) // 2 + 1
 
 
-ANIMATIONS = {"throw.webp": Animation("scenes/nunchaku.toml", 509, 727), "first.webp": Animation("scenes/first.toml", 0, 178)}
+ANIMATIONS = {"throw.webp": Animation("scenes/nunchaku.toml", 509, 727), "first.webp": Animation("scenes/tutorial/first.toml", 0, 178)}
 
 
 def pictures_in(file):
@@ -93,8 +93,8 @@ def animate(work, name):
 def first(work):
     """the first scene, its command and its clip"""
     animate(work, "first.webp")
-    scene = (work.source / "scenes/first.toml").read_text()
-    return (f"```toml\n{scene}```\n\n```sh\nbuild/release/taut render scenes/first.toml  # out/first/first.mp4\n```\n"
+    scene = (work.source / "scenes/tutorial/first.toml").read_text()
+    return (f"```toml\n{scene}```\n\n```sh\nbuild/release/taut render scenes/tutorial/first.toml  # out/first/first.mp4\n```\n"
             "![A rope lets a weight swing](assets/pictures/first.webp)")
 
 

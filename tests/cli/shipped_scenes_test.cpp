@@ -20,7 +20,7 @@ void expect_ends(const fs::path& folder) {
 }
 
 TEST(ShippedScenes, RunToTheirEnds) {
-  for (const char* folder : {"", "materials", "choreography"}) expect_ends(folder);
+  for (const char* folder : {"", "materials", "choreography", "tutorial"}) expect_ends(folder);
 }
 
 TEST(LongShippedScenes, RunToTheirEnds) {
