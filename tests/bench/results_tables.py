@@ -94,7 +94,7 @@ def first(work):
     """the first scene, its command and its clip"""
     animate(work, "first.webp")
     scene = (work.source / "scenes/tutorial/first.toml").read_text()
-    return (f"```toml\n{scene}```\n\n```sh\nbuild/release/taut render scenes/tutorial/first.toml  # out/first/first.mp4\n```\n"
+    return (f"```toml\n{scene}```\n\n```sh\nbuild/release/taut render scenes/tutorial/first.toml  # out/tutorial/first/first.mp4\n```\n"
             "![A rope lets a weight swing](assets/pictures/first.webp)")
 
 
