@@ -71,8 +71,7 @@ void add_bench(CLI::App& app, program::Program& program) {
   taut bench scenes/rope_swing.toml --particles 21 --against xpbd --methods impulse,xpbd)");
   const auto options = std::make_shared<Options>();
   options::add_study_options(command, options->study, 120);
-  options->study.follows = options::Follows::pins;
-  options->study.among_obstacles = true;
+  options->study.features = options::study_features("bench");
   command
       .add_option("--particles", options->particles,
                   "Numbers of particles of the first connector, with commas; default: 11,21,41,81, "

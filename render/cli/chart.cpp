@@ -146,8 +146,7 @@ one run may take.)");
   const auto markdown = std::make_shared<bool>(false);
   options::add_study_options(command, *options, 240);
   program::add_part_options(command, options->part, "runs");
-  options->follows = options::Follows::pins;
-  options->among_obstacles = true;
+  options->features = options::study_features("chart");
   command.add_flag("--markdown", *markdown, "The tables as Markdown");
   command.callback([options, markdown, &program] {
     program.run = [options, markdown, &program] {

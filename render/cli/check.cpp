@@ -10,6 +10,7 @@
 #include "render/base/atomic_file.h"
 #include "render/base/bounded.h"
 #include "render/cli/check_connectors.h"
+#include "render/cli/check_features.h"
 #include "render/cli/check_time.h"
 #include "render/film/caption.h"
 #include "render/options/method_options.h"
@@ -37,7 +38,7 @@ namespace {
 
 struct Options {
   options::SceneOptions inputs;
-  bool schema = false;
+  bool schema = false, features = false;
   std::vector<std::string> plans;
 };
 
@@ -378,6 +379,10 @@ int run(const Options& options, const program::Common& common) {
     render::write_output(scenes::scene_schema());
     return program::kDone;
   }
+  if (options.features) {
+    render::write_output(features_as_markdown());
+    return program::kDone;
+  }
   if (!options.plans.empty()) {
     render::write_output(common.json
                              ? program::json_text(planning::plans_json(options.plans)) + '\n'
@@ -385,7 +390,7 @@ int run(const Options& options, const program::Common& common) {
     return program::kDone;
   }
   if (options.inputs.scenes.empty()) {
-    throw program::Misuse("check: expected a scene file, --plans or --schema");
+    throw program::Misuse("check: expected a scene file, --plans, --features or --schema");
   }
   const double started = render::process_seconds();
   return options::for_each_scene(options.inputs, common, [&](const std::string& scene) {
@@ -403,11 +408,14 @@ void add_check(CLI::App& app, program::Program& program) {
       R"(  taut check scenes/nunchaku.toml
   taut check scenes/nunchaku.toml --json
   taut check --plans scenes/*.toml                 their plans, as a table in Markdown
+  taut check --features                            the methods and the features that they follow
   taut check --schema > scenes/scene.schema.json   the JSON Schema, for editors)");
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->inputs).required(false);
   command.add_option("--plans", options->plans, "Write a table of these scenes' plans instead");
   command.add_flag("--schema", options->schema, "Write the JSON Schema of scene files instead");
+  command.add_flag("--features", options->features,
+                   "Write tables of methods by the features that they follow instead");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

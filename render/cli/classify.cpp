@@ -87,8 +87,7 @@ Classified classified(const Options& options, const std::string& file,
                       const std::vector<options::Contender>& contenders) {
   options::StudyOptions study = options.study;
   study.scene = file;
-  study.follows = options::Follows::pins_and_cuts;
-  study.among_obstacles = true;
+  study.features = options::study_features("classify");
   study.inputs.set = options::sets_of_scene(options.study.inputs.set);
   Classified result{options::study_scene(study), file, {}};
   const scenes::Scene& scene = result.scene;

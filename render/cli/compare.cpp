@@ -183,8 +183,7 @@ void add_compare(CLI::App& app, program::Program& program) {
   command.add_flag("--over", options->over,
                    "All methods in one panel, each in its colour, instead of side by side");
   command.add_flag("--no-video", options->no_video, "Frames only");
-  options->study.follows = options::Follows::pins_and_cuts;
-  options->study.among_obstacles = true;
+  options->study.features = options::study_features("compare");
   command.callback([&program, options] {
     program.run = [&program, options] {
       return options::for_each_study(options->study, program.common,

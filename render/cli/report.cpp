@@ -145,7 +145,7 @@ the command that makes it. A report that is stopped goes on where it was when th
 given again.)");
   const auto options = std::make_shared<options::StudyOptions>();
   options::add_study_options(command, *options, 300);
-  options->follows = options::Follows::pins;
+  options->features = options::study_features("report");
   command.callback([options, &program] {
     program.run = [options, &program] {
       if (options->quick) options->budget = std::min(options->budget, 30.0);

@@ -76,7 +76,7 @@ Maps that are stopped go on where they were when the same command is given again
 processes of their own, on any machines that share the folder of results: each takes neighbouring
 cells, and --merge draws the maps from them. --budget then only sets how long one cell may take.)");
   const auto options = std::make_shared<options::StudyOptions>();
-  options->among_obstacles = true;
+  options->features = options::study_features("stability");
   options::add_study_options(command, *options, 480);
   program::add_part_options(command, options->part, "cells");
   command.callback([options, &program] {

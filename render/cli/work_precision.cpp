@@ -68,7 +68,7 @@ processes of their own, on any machines that share the folder of --out: each tak
 and times them one after another; --merge makes the tables.)");
   const auto options = std::make_shared<Options>();
   options->study.budget = 120;
-  options->study.among_obstacles = true;
+  options->study.features = options::study_features("work-precision");
   options::add_scene_options(command, options->study.inputs);
   command.add_option("--errors", options->errors, "m, with commas; default: 0.01,0.001,0.0001")
       .delimiter(',')

@@ -1,6 +1,7 @@
 #include "render/options/study_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,34 @@
 
 namespace taut::options {
 namespace {
+
+constexpr Features kUnstudied =
+    kContactFeatures | Features{Feature::strings, Feature::pin, Feature::cut};
+
+struct Study {
+  std::string_view command;
+  Features features;
+};
+constexpr Study kStudies[] = {
+    {"bench", Features::all() - Feature::cut},
+    {"chart", Features::all() - Feature::cut},
+    {"classify", Features::all()},
+    {"compare", Features::all()},
+    {"report", Features::all() - (kUnstudied - Feature::pin)},
+    {"stability", Features::all() - Features{Feature::pin, Feature::cut}},
+    {"work-precision", Features::all() - Features{Feature::pin, Feature::cut}},
+};
+
+/// The commands that follow a feature: "compare and classify".
+std::string studies_with(Feature feature) {
+  std::vector<std::string_view> names;
+  for (const Study& study : kStudies) {
+    if (study.features.has(feature)) names.push_back(study.command);
+  }
+  const std::string_view last = names.back();
+  names.pop_back();
+  return fmt::format("{} and {}", fmt::join(names, ", "), last);
+}
 
 std::vector<Contender> all_contenders() {
   std::vector<Contender> all;
@@ -35,6 +64,11 @@ std::vector<Contender> all_contenders() {
 }
 
 }  // namespace
+
+Features study_features(std::string_view command) {
+  const auto found = std::ranges::find(kStudies, command, &Study::command);
+  return found == std::end(kStudies) ? Features::all() - kUnstudied : found->features;
+}
 
 void add_study_options(program::Command& command, StudyOptions& options, double budget) {
   options.budget = budget;
@@ -76,8 +110,9 @@ std::vector<Contender> contenders_on(const StudyOptions& options, const World& w
   const auto unable = std::ranges::stable_partition(
       all, [&](const Contender& one) { return follows(*one.method, world); });
   if (!options.methods.empty() && !unable.empty()) {
-    throw program::Misuse(fmt::format("--methods: {} does not follow all that is in {}",
-                                      unable.front().label, options.scene));
+    const Contender& first = unable.front();
+    throw program::Misuse(fmt::format("--methods: {} {}, in {}", first.label,
+                                      refusal(*first.method, world), options.scene));
   }
   all.erase(unable.begin(), unable.end());
   if (all.empty())
@@ -133,38 +168,12 @@ scenes::Scene study_scene(const StudyOptions& options,
   if (scene.world.connectors.empty()) {
     throw program::Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
-  if (!scene.world.obstacles.empty() && !options.among_obstacles) {
-    throw program::Misuse(
-        fmt::format("{}: has obstacles, which bench, chart, classify, compare, stability and "
-                    "work-precision follow, "
-                    "and this command does not",
-                    options.scene));
-  }
-  const bool touch = !scene.world.pairs.empty() || !scene.world.bead_pairs.empty();
-  if (touch && !options.among_obstacles) {
-    throw program::Misuse(
-        fmt::format("{}: has bodies that touch each other or connectors, which bench, chart, "
-                    "classify, compare, "
-                    "stability and work-precision follow, and this command does not",
-                    options.scene));
-  }
-  if (has_strings(scene.world) && !options.among_obstacles) {
-    throw program::Misuse(fmt::format(
-        "{}: has links that only pull, which bench, chart, classify, compare, stability and "
-        "work-precision follow, and this command does not",
-        options.scene));
-  }
-  if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
-    throw program::Misuse(
-        fmt::format("{}: has pins, which chart, bench, compare and classify follow, and this "
-                    "command does not",
-                    options.scene));
-  }
-  if (!scene.timeline.cuts.empty() && options.follows != Follows::pins_and_cuts) {
-    throw program::Misuse(
-        fmt::format("{}: has cuts, which compare and classify follow, and this command does not",
-                    options.scene));
-  }
+  const auto refusal = find_refusal({options.features}, scene.world, &scene.timeline);
+  if (!refusal) return scene;
+  const Feature feature = refusal->one.feature;
+  throw program::Misuse(fmt::format("{}: has {} ({}), which {} follow, and this command does not",
+                                    options.scene, name(feature), where(scene.world, refusal->one),
+                                    studies_with(feature)));
   return scene;
 }
 

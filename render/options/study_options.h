@@ -15,8 +15,8 @@
 
 namespace taut::options {
 
-/// The part of a timeline that a study follows.
-enum class Follows { nothing, pins, pins_and_cuts };
+/// The features that a study command follows, by its name; those of every study for other names.
+Features study_features(std::string_view command);
 
 struct StudyOptions {
   SceneOptions inputs;
@@ -27,8 +27,7 @@ struct StudyOptions {
   bool quick = false;
   double reference_step = 0;  // s: scores are against `direct` at that step; zero: the truth
   program::PartOptions part;  // of chart and stability
-  Follows follows = Follows::nothing;
-  bool among_obstacles = false;  // whether the study takes scenes with contact or strings
+  Features features = study_features({});  // that the study follows
 };
 
 /// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.
@@ -68,8 +67,8 @@ int for_each_study(const StudyOptions& options, const program::Common& common,
 /// The folder that results go to.
 std::filesystem::path study_folder(const StudyOptions& options);
 
-/// The scene, without its stage unless asked for. Throws Misuse where it has no connector, or
-/// obstacles, pins or cuts that the study does not follow.
+/// The scene, without its stage unless asked for. Throws Misuse where it has no connector, or a
+/// feature that the study does not follow.
 scenes::Scene study_scene(const StudyOptions& options,
                           const std::vector<scenes::SceneChange>& changes = {},
                           bool with_stage = false);

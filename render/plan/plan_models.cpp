@@ -237,7 +237,7 @@ World few_copies(World world, const Timeline& timeline) {
 std::vector<MethodChoice> all_candidates(const World& world, int fps, double longest_step) {
   std::vector<MethodChoice> all;
   for (const options::Contender& contender : options::chosen_contenders({})) {
-    if (has_spans(world) && !contender.method->follows_spans) continue;
+    if (!follows(*contender.method, world)) continue;
     const std::vector<MethodChoice> some = options::candidates_of(contender, false);
     all.insert(all.end(), some.begin(), some.end());
   }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/topology/span.h"
 
 namespace taut::python {
 
@@ -148,8 +147,8 @@ MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
 
 std::unique_ptr<Method> made_method(const World& world, const MethodChoice& choice) {
   const MethodInfo& method = existing_method(choice.name);
-  if (has_spans(world) && !method.follows_spans) {
-    throw std::invalid_argument(fmt::format("{} {}", choice.name, refusal(method, world)));
+  if (const std::string wrong = refusal(method, world); !wrong.empty()) {
+    throw std::invalid_argument(fmt::format("{} {}", choice.name, wrong));
   }
   return make_method(choice.name, choice.settings);
 }

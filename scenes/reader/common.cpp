@@ -127,12 +127,4 @@ std::size_t Names::index_of(const Document& document, const Value& value,
   document.mismatch(value, fmt::format("the name of a {}{}", what, known));
 }
 
-std::string methods_with(bool MethodInfo::*trait) {
-  std::string names;
-  for (const MethodInfo& info : all_methods()) {
-    if (info.*trait) names += (names.empty() ? "" : ", ") + std::string(info.name);
-  }
-  return names;
-}
-
 }  // namespace taut::scenes

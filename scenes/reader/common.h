@@ -14,9 +14,6 @@
 
 namespace taut::scenes {
 
-/// The names of all methods that have a trait, in words that end "expected one of: ".
-std::string methods_with(bool MethodInfo::*trait);
-
 /// A file that a scene names, and the folder (canonical) inside of which it is.
 struct FoundFile {
   std::filesystem::path file, within;

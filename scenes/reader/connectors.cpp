@@ -105,6 +105,14 @@ class Layout {
         straight_connector(value.name, length, mass, particles, Vec3::Zero(), Vec3::UnitY());
     if (text_or(value, "model", "links") == "span") connector.model = ConnectorModel::span;
     connector.pulls = text_or(value, "links", "rigid") == "pull";
+    if (connector.pulls && connector.model == ConnectorModel::span) {
+      document_.fail_at_key(*value.find("links"),
+                            "needs model = \"links\", a massless span has none");
+    }
+    if (connector.pulls && length == 0) {
+      document_.fail_at_key(*value.find("links"),
+                            "needs links that have a length, a joint has none");
+    }
     connector.restitution = number_or(value, "restitution", 0);
     connector.radius =
         number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
@@ -171,9 +179,6 @@ class Layout {
     if (end.to) connector.holds.push_back({particle, *end.to});
     if (const Value* clamp = value.find(key)->find("clamp")) {
       if (!end.to) document_.fail_at_key(*clamp, "needs an end that is held");
-      if (!is_prescribed(world_, *end.to)) {
-        document_.fail_at_key(*clamp, "needs an end that is fixed or driven, not a free body's");
-      }
       connector.holds.back().clamp = direction(document_, *clamp);
     }
     if (const Value* turn = value.find(key)->find("turn")) {

@@ -211,13 +211,6 @@ bool shows_obstacle(const Value& value) {
 void read_obstacles(const Document& document, Motions& motions, World& world) {
   const Value* table = document.root.find("obstacles");
   if (!table) return;
-  const Value* connectors = document.root.find("connectors");
-  for (std::size_t c = 0; connectors && c < connectors->children.size(); ++c) {
-    const Value* model = connectors->children[c].find("model");
-    if (!model || model->text != "span") continue;
-    document.mismatch(*model,
-                      "\"links\": a massless span touches no obstacle, and the scene has some");
-  }
   Ignored ignored(document, world);
   for (const Value& value : table->children) {
     Obstacle& made = world.obstacles.emplace_back(read_obstacle(document, value, motions, world));

@@ -22,6 +22,9 @@ Scene read_scene(Document document, bool with_stage);
 /// The method that a table names, with its settings; the default method for null.
 MethodChoice read_method(const Document& document, const Value* table, int fps, double duration);
 
+/// Fails at the key of a feature that the scene's method does not follow.
+void refuse_unfollowed(const Document& document, const Scene& scene);
+
 /// Fails where a connector that is curved at rest may leave the plane across that.
 void check_curvatures(const Document& document, const World& world, const Timeline& timeline);
 

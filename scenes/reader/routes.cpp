@@ -25,12 +25,11 @@ const Value* unfit_for_pulleys(const Value& rope) {
   for (const char* key : {"points", "hanging_to", "over", "circle"}) {
     if (const Value* found = in_start(rope, key)) return found;
   }
-  for (const char* key : {"model", "links", "axial_stiffness", "bending_damping", "rest_curvature",
-                          "twisting_stiffness", "material", "taper", "repeat"}) {
-    const Value* found = rope.find(key);
-    const bool usual = found && (found->text == "links" || found->text == "rigid");
-    if (found && !usual) return found;
+  for (const char* key : {"taper", "repeat"}) {
+    if (const Value* found = rope.find(key)) return found;
   }
+  const Value* model = rope.find("model");
+  if (model && model->text == "span") return model;
   for (const char* end : {"from", "to"}) {
     if (const Value* found = rope.find(end)->find("connector")) return found;
   }
@@ -98,9 +97,8 @@ void Routes::divide(const Value& value, const World& world, std::size_t index, C
                     Connector last) {
   const Value* over = value.find("over");
   if (const Value* found = unfit_for_pulleys(value)) {
-    document_.fail_at_key(*found, fmt::format("does not go with {}: ropes that pass pulleys are of "
-                                              "rigid links, which may resist bending and meet the "
-                                              "air",
+    document_.fail_at_key(*found, fmt::format("does not go with {}, which divides the rope at "
+                                              "pulleys",
                                               over->path));
   }
   Rope rope;

@@ -39,17 +39,6 @@ std::set<Pair> ignored_pairs(const Document& document, const Names& names) {
   return pairs;
 }
 
-void refuse_spans_beside(const Document& document) {
-  const Value* connectors = document.root.find("connectors");
-  for (std::size_t c = 0; connectors && c < connectors->children.size(); ++c) {
-    const Value* model = connectors->children[c].find("model");
-    if (!model || model->text != "span") continue;
-    document.mismatch(*model,
-                      "\"links\": no method follows massless spans beside bodies that touch "
-                      "each other, and the scene has some");
-  }
-}
-
 /// Reads the lists of bodies and connectors that touch, and makes pairs of them.
 class TouchingReader {
  public:
@@ -182,7 +171,6 @@ void read_touching(const Document& document, World& world) {
   TouchingReader reader(document, world);
   const Value* table = document.root.find("touching");
   if (!table || table->children.empty()) return;
-  refuse_spans_beside(document);
   for (const Value& value : table->children) reader.read(value);
 }
 

@@ -44,19 +44,10 @@ std::shared_ptr<const Path> integral(const Path& speeds, double end) {
   return std::make_shared<const Path>(std::move(keys));
 }
 
-/// The feature of a connector that does not go with a winch; null: none.
+/// What a connector has that leaves a winch without meaning; null: nothing.
 const char* misfit(const Value& connector) {
-  if (text_or(connector, "model", "links") == "span") return "a massless span";
-  if (text_or(connector, "links", "rigid") == "pull") return "links that only pull";
   if (text_or(connector, "look", "rope") == "chain") {
     return "the look of a chain, whose links have one size";
-  }
-  for (const char* key : {"axial_stiffness", "bending_damping", "rest_curvature",
-                          "twisting_stiffness", "material", "taper"}) {
-    if (connector.find(key)) return key;
-  }
-  for (const char* end : {"from", "to"}) {
-    if (connector.find(end)->find("connector")) return "an end that is joined";
   }
   return connector.find("repeat") ? "copies" : nullptr;
 }
@@ -120,9 +111,7 @@ void read_winches(const Document& document, const Value& value, const World& wor
   if (const char* other = misfit(value)) {
     document.fail_at_key(
         *named,
-        fmt::format(
-            "stands beside {}, expected rigid links, which may resist bending and meet the air",
-            other));
+        fmt::format("stands beside {}, expected one connector of links that have no size", other));
   }
   const auto [first, last] = read_winches(document, value, world, connector, connector);
   const auto carried = [&](const Hold& hold) { return !is_prescribed(world, hold.to); };
@@ -134,38 +123,6 @@ void read_winches(const Document& document, const Value& value, const World& wor
   if (connector.mass == 0) document.mismatch(*value.find("mass"), "a number above 0 (kg)");
   add_winches(world, connector, first, last);
   check_least(document, *named, *connector.winch);
-}
-
-void refuse_winches(const Document& document, const MethodInfo& method) {
-  const Value* connectors = document.root.find("connectors");
-  if (!connectors) return;
-  for (const Value& connector : connectors->children) {
-    const Value* over = connector.find("over");
-    const Value* key = over ? over : winch_of(connector);
-    if (!key) continue;
-    for (const char* table : {"obstacles", "touching", over ? "nets" : "touching"}) {
-      const Value* found = document.root.find(table);
-      if (!found || found->children.empty()) continue;
-      document.fail_at_key(*key, fmt::format("stands in a scene with {}, where connectors keep "
-                                             "their lengths",
-                                             table));
-    }
-    for (const Value& other : connectors->children) {
-      const char* what = nullptr;
-      if (text_or(other, "model", "links") == "span") what = "a massless span";
-      if (text_or(other, "links", "rigid") == "pull") what = "of strings";
-      for (const char* end : {"from", "to"}) {
-        if (over && other.find(end)->find("connector")) what = "joined";
-      }
-      if (!what) continue;
-      document.fail_at_key(*key,
-                           fmt::format("stands in a scene with {}, which is {}", other.path, what));
-    }
-    const auto follows = over ? &MethodInfo::follows_pulleys : &MethodInfo::follows_winches;
-    if (method.*follows) continue;
-    document.fail_at_key(*key, fmt::format("is unknown to the method {}, expected one of: {}",
-                                           method.name, methods_with(follows)));
-  }
 }
 
 }  // namespace taut::scenes

@@ -24,8 +24,4 @@ std::array<std::shared_ptr<const Path>, 2> read_winches(const Document& document
 /// The winches at a connector's ends, once it has its holds. Throws BadScene.
 void read_winches(const Document& document, const Value& value, const World& world,
                   Connector& connector);
-/// Fails where a winch or pulley stands in a scene with what does not go with one, or a method
-/// without.
-void refuse_winches(const Document& document, const MethodInfo& method);
-
 }  // namespace taut::scenes

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/features/features.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/world/state.h"
 
@@ -16,7 +17,10 @@ bool is_on(const Hold& hold, std::size_t body) {
 /// Links that only pull move as rigid ones do while they are taut, as those of a flat chain are;
 /// and so little is bent then that what damps bends is left to the certificate.
 World while_taut(World world) {
-  const bool damped = only_damps_bends(world);
+  const Features more = features(world) & (kMaterialFeatures | Feature::strings);
+  const bool damped =
+      (more - Features{Feature::bending_damping, Feature::taper, Feature::material_on_body})
+          .empty();
   for (Connector& connector : world.connectors) {
     connector.pulls = false;
     if (damped) connector.sections.clear();

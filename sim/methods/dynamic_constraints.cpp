@@ -36,11 +36,6 @@ class DynamicConstraints final : public SteppedMethod {
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
-    refuse_obstacles(kDynamicConstraints, world);
-    refuse_materials(kDynamicConstraints, world);
-    refuse_joints(kDynamicConstraints, world);
-    refuse_winches(kDynamicConstraints, world);
-    refuse_strings(kDynamicConstraints, world);
     stepper_.prepare(mechanism);
     system_.rebuild(mechanism);
     resize_within(mechanism.row_room(), mechanism.rows().size(), right_);
@@ -177,6 +172,7 @@ MethodInfo dynamic_constraints_method() {
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
       .longest_step = stable_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",
+      .abilities = {kPlainFeatures},
       .companion = companion_of_constraints,
       .particle_memory = 700,
       .eliminates = true,

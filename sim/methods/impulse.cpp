@@ -66,13 +66,7 @@ class Impulse final : public Method {
 };
 
 void Impulse::prepare(const World& world) {
-  refuse_touching_bodies(kImpulse, world);
-  refuse_touching_links(kImpulse, world);
-  refuse_bead_pairs(kImpulse, world);
-  refuse_materials(kImpulse, world);
-  refuse_joints(kImpulse, world);
-  refuse_winches(kImpulse, world);
-  refuse_strings(kImpulse, world);
+  require(kImpulse, world);
   topology_ = world.topology;
   impulses_.prepare(world);
   touches_.prepare(world);
@@ -264,8 +258,10 @@ MethodInfo impulse_method() {
       },
       .paper_role = PaperRole::proposed,
       .forms = {{"as-printed", {{"as_printed", true}}}},
-      .follows_spans = true,
-      .touches_obstacles = true,
+      .abilities = {kPlainFeatures | Features{Feature::span, Feature::obstacle,
+                                              Feature::moving_obstacle, Feature::friction,
+                                              Feature::restitution},
+                    {{Feature::span, kContactFeatures}}},
       .companion =
           [](const MethodInfo&, const Settings&) {
             return Companion{.none = "does not converge to the exact solution, whatever its step"};

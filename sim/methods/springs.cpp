@@ -62,7 +62,6 @@ class Springs : public SteppedMethod {
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
-    refuse_pulleys("springs", world);
     stepper_.prepare(mechanism);
     connectors_.rebuild(mechanism, world);
     bodies_.rebuild(mechanism, world);
@@ -162,15 +161,9 @@ MethodInfo springs_method() {
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
-      .touches_obstacles = true,
-      .touches_with_bodies = true,
-      .touches_with_links = true,
-      .beads_touch_bodies = true,
-      .touches_beside_more = true,
-      .follows_materials = true,
-      .follows_joints = true,
-      .follows_strings = true,
-      .follows_winches = true,
+      .abilities = {Features::all() - kPulleyFeatures -
+                        Features{Feature::span, Feature::clamp_on_body},
+                    stepped_apart()},
       .companion = companion_of_springs,
       .particle_memory = 350,
   };

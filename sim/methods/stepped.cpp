@@ -17,6 +17,7 @@ double rk4_growth(std::complex<double> q) {
 
 void SteppedMethod::advance(World& world, double until) {
   if (!built_ || world.topology != topology_) {
+    require(name_, world);
     mechanism_.rebuild(world);
     const bool stops = stops_stretch() && !mechanism_.has_strings();  // which may part as they like
     if (stops) projection_.rebuild(mechanism_);
@@ -50,6 +51,15 @@ void SteppedMethod::advance(World& world, double until) {
     }
   }
   mechanism_.store(state_, until, world);
+}
+
+std::vector<Apart> stepped_apart() {
+  return {
+      {kReelFeatures, kContactFeatures},
+      {kReelFeatures, Feature::strings},
+      {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
+      {kMaterialFeatures, Feature::strings, {}, Apart::Within::connector},
+  };
 }
 
 void row_mobility(const Mechanism& mechanism, std::vector<double>& rows) {

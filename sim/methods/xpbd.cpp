@@ -63,7 +63,6 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   connectors_.rebuild(mechanism, world);
   bodies_.rebuild(mechanism, world);
   if (bodies_.any()) projection_.rebuild(mechanism);
-  refuse_pulleys(kXpbd, world);
   material_.rebuild(mechanism);
   resize_within(mechanism.row_room(), mechanism.rows().size(), multiplier_);
   flown_.reserve(mechanism.state_room());
@@ -223,15 +222,9 @@ MethodInfo xpbd_method() {
       },
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
-      .touches_obstacles = true,
-      .touches_with_bodies = true,
-      .touches_with_links = true,
-      .beads_touch_bodies = true,
-      .touches_beside_more = true,
-      .follows_materials = true,
-      .follows_joints = true,
-      .follows_strings = true,
-      .follows_winches = true,
+      .abilities = {Features::all() - kPulleyFeatures -
+                        Features{Feature::span, Feature::clamp_on_body},
+                    stepped_apart()},
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .particle_memory = 250,

@@ -33,11 +33,7 @@ class Multibody final : public Method {
 };
 
 void Multibody::advance(World& world, double until) {
-  refuse_obstacles(kMultibody, world);
-  refuse_materials(kMultibody, world);
-  refuse_joints(kMultibody, world);
-  refuse_winches(kMultibody, world);
-  refuse_strings(kMultibody, world);
+  if (!model_ || topology_ != world.topology) require(kMultibody, world);
   try {
     if (!model_ || topology_ != world.topology || left_at_ != state_hash(world)) {
       before_ = counters_;
@@ -93,6 +89,7 @@ MethodInfo multibody_method() {
             return std::make_unique<Multibody>(settings);
           },
           .paper_role = PaperRole::package_of_today,
+          .abilities = {kPlainFeatures},
           .companion =
               [](const MethodInfo& multibody, const Settings& settings) {
                 return with_tolerance_raised(multibody, settings, "accuracy");

@@ -47,10 +47,11 @@ class Multipliers final : public Method {
   bool built_ = false;
   const World* world_ = nullptr;
   std::uint64_t topology_ = 0;
-  std::vector<double> keys_;  // s, rising: times at which a path is not smooth
-  double step_ = kFirstStep;  // s, the next one to try
-  double brief_ = 0;          // s, from which on steps are counted
-  int short_ = 0;             // how many there were since
+  std::optional<std::uint64_t> required_;  // the topology of which all features are followed
+  std::vector<double> keys_;               // s, rising: times at which a path is not smooth
+  double step_ = kFirstStep;               // s, the next one to try
+  double brief_ = 0;                       // s, from which on steps are counted
+  int short_ = 0;                          // how many there were since
   reference::State state_, before_, scratch_, right_, tension_;
   std::unique_ptr<Method> among_obstacles_;
 };
@@ -88,13 +89,9 @@ void Multipliers::prepare(const World& world) {
 }
 
 void Multipliers::advance(World& world, double until) {
+  if (required_ != world.topology) require(kTruth, world);
+  required_ = world.topology;
   if (has_contact(world) || has_strings(world)) {
-    const std::string_view name =
-        has_contact(world) ? "truth with contact" : "truth beside links that only pull";
-    refuse_materials(name, world);
-    refuse_joints(name, world);
-    refuse_bead_pairs("truth", world);
-    refuse_more_beside_contact("truth", world);
     among_obstacles_->advance(world, until);
     counters_ = among_obstacles_->counters();
     return;
@@ -222,29 +219,27 @@ void Multipliers::give_up(double time, std::size_t row, const char* what) const 
 }  // namespace
 
 MethodInfo truth_method() {
-  return {.name = kTruth,
-          .summary = "the converged solution, which the others are scored against",
-          .settings = {{"local_error",
-                        "Error allowed in a step, in metres and metres per second; less is dearer.",
-                        "1", 1e-12, 1e-15, 1e-3}},
-          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-            return std::make_unique<Multipliers>(settings);
+  return {
+      .name = kTruth,
+      .summary = "the converged solution, which the others are scored against",
+      .settings = {{"local_error",
+                    "Error allowed in a step, in metres and metres per second; less is dearer.",
+                    "1", 1e-12, 1e-15, 1e-3}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+        return std::make_unique<Multipliers>(settings);
+      },
+      .reference = true,
+      .abilities = {Features::all() -
+                        Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body},
+                    {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
+                     {kReelFeatures, kContactFeatures | Feature::strings},
+                     {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector}}},
+      .companion =
+          [](const MethodInfo& truth, const Settings& settings) {
+            return with_tolerance_raised(truth, settings, "local_error");
           },
-          .reference = true,
-          .touches_obstacles = true,
-          .touches_with_bodies = true,
-          .touches_with_links = true,
-          .follows_materials = true,
-          .follows_joints = true,
-          .follows_strings = true,
-          .follows_winches = true,
-          .follows_pulleys = true,
-          .companion =
-              [](const MethodInfo& truth, const Settings& settings) {
-                return with_tolerance_raised(truth, settings, "local_error");
-              },
-          .particle_memory = 1500,
-          .eliminates = true};
+      .particle_memory = 1500,
+      .eliminates = true};
 }
 
 }  // namespace taut::reference

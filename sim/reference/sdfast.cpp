@@ -72,11 +72,7 @@ void SdFast::give_up(const World& world, const std::string& what) const {
 
 /// Finds the model of the world's chain.
 void SdFast::choose(const World& world) {
-  refuse_obstacles(kSdfast, world);
-  refuse_materials(kSdfast, world);
-  refuse_joints(kSdfast, world);
-  refuse_winches(kSdfast, world);
-  refuse_strings(kSdfast, world);
+  require(kSdfast, world);
   try {
     chain_ = sdfast::find_chain(world);
   } catch (const std::invalid_argument& error) {
@@ -219,6 +215,7 @@ MethodInfo sdfast_method() {
       .paper_role = PaperRole::package,
       .forms = {{"kane", {{"formulation", std::string("kane")}}},
                 {"ball", {{"joints", std::string("ball")}}}},
+      .abilities = {kPlainFeatures},
       .companion =
           [](const MethodInfo&, const Settings&) {
             return Companion{.none = "keeps the state of one run at a time in its generated code"};

@@ -5,65 +5,33 @@
 #include <sstream>
 
 #include "sim/motion/printable.h"
-#include "sim/topology/span.h"
 #include "sim/world/world.h"
 
 namespace taut {
 
-namespace {
-
-constexpr const char* kNoSpans = "follows no massless spans (model = \"span\")";
-constexpr const char* kNoMaterials = "knows neither stretch nor bending nor air";
-constexpr const char* kNoJoints = "follows no connectors that are joined";
-constexpr const char* kNoStrings = "follows no links that only pull";
-constexpr const char* kNoTouchingLinks = "touches obstacles with beads, not with links";
-constexpr const char* kNoBeadPairs = "follows no free bodies that touch connectors";
-constexpr const char* kNoMoreBesideContact =
-    "knows contact of rigid links that bend freely, not of what is joined, stretches or is reeled";
-constexpr const char* kNoWinches = "follows no connectors that have winches";
-constexpr const char* kNoPulleys = "follows no rope that passes pulleys";
-
-std::string no_contact(const World& world) {
-  const std::string what = "knows no contact, and ";
-  if (!world.obstacles.empty()) {
-    return what + "there is the obstacle " + world.obstacles.front().name;
-  }
-  if (world.pairs.empty()) {
-    const BeadPair& pair = world.bead_pairs.front();
-    return what + world.connectors[pair.connector].name + " and " + world.bodies[pair.body].name +
-           " touch each other";
-  }
-  const BodyPair& pair = world.pairs.front();
-  return what + world.bodies[pair.a].name + " and " + world.bodies[pair.b].name +
-         " touch each other";
-}
-
-std::string no_touching_bodies(const World& world) {
-  return std::string("follows no free bodies that touch ") +
-         (world.pairs.empty() ? "obstacles" : "each other");
-}
-
-}  // namespace
-
 std::string refusal(const MethodInfo& method, const World& world) {
-  if (!method.follows_spans && has_spans(world)) return kNoSpans;
-  if (!method.touches_obstacles && !world.obstacles.empty()) return no_contact(world);
-  if (!method.touches_with_bodies && has_touching_bodies(world)) return no_touching_bodies(world);
-  if (!method.touches_with_links && has_touching_links(world)) return kNoTouchingLinks;
-  if (!method.beads_touch_bodies && !world.bead_pairs.empty()) return kNoBeadPairs;
-  if (!method.follows_materials && has_materials(world)) return kNoMaterials;
-  if (!method.follows_joints && !world.joints.empty()) return kNoJoints;
-  if (!method.follows_strings && has_strings(world)) return kNoStrings;
-  if (!method.follows_winches && has_winches(world)) return kNoWinches;
-  if (!method.follows_pulleys && !world.pulleys.empty()) return kNoPulleys;
-  if (!method.touches_beside_more && touches_beside_more(world, method.damps_beside_contact)) {
-    return kNoMoreBesideContact;
-  }
-  return method.refuses ? method.refuses(world) : "";
+  const auto found = find_refusal(method.abilities, world);
+  return found ? words(world, *found) : "";
 }
 
 bool follows(const MethodInfo& method, const World& world) {
-  return refusal(method, world).empty();
+  return !find_refusal(method.abilities, world);
+}
+
+std::string methods_that_follow(const World& world) {
+  std::string names;
+  for (const MethodInfo& method : all_methods()) {
+    if (!method.missing.empty() || !follows(method, world)) continue;
+    names += (names.empty() ? "" : ", ") + std::string(method.name);
+  }
+  return names;
+}
+
+void require(std::string_view method, const World& world) {
+  const MethodInfo* info = find_method(method);
+  const auto found = info ? find_refusal(info->abilities, world) : std::nullopt;
+  if (!found) return;
+  throw Diverged(std::string(method), world.time, words(world, *found));
 }
 
 const MethodInfo* find_method(std::string_view name) {
@@ -205,73 +173,6 @@ SettingInfo step_setting(bool limited, int sweep) {
   return info;
 }
 
-void refuse_obstacles(std::string_view method, const World& world) {
-  if (!has_contact(world)) return;
-  throw Diverged(std::string(method), world.time, 0,
-                 world.connectors.empty() ? "" : world.connectors.front().name, 0,
-                 no_contact(world));
-}
-
-void refuse_materials(std::string_view method, const World& world) {
-  const auto found = std::ranges::find_if(
-      world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
-  if (found == world.connectors.end()) return;
-  throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoMaterials);
-}
-
-void refuse_joints(std::string_view method, const World& world) {
-  if (world.joints.empty()) return;
-  const Joint::Particle& at = world.joints.front().particles.front();
-  throw Diverged(std::string(method), world.time, 0, world.connectors[at.connector].name,
-                 at.particle, kNoJoints);
-}
-
-void refuse_touching_bodies(std::string_view method, const World& world) {
-  if (!has_touching_bodies(world)) return;
-  throw Diverged(std::string(method), world.time, 0,
-                 world.connectors.empty() ? "" : world.connectors.front().name, 0,
-                 no_touching_bodies(world));
-}
-
-void refuse_touching_links(std::string_view method, const World& world) {
-  if (!has_touching_links(world)) return;
-  const auto found = std::ranges::find_if(world.connectors, &Connector::links_touch);
-  throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoTouchingLinks);
-}
-
-void refuse_bead_pairs(std::string_view method, const World& world) {
-  if (world.bead_pairs.empty()) return;
-  const std::size_t touched = world.bead_pairs.front().connector;
-  throw Diverged(std::string(method), world.time, 0, world.connectors[touched].name, 0,
-                 kNoBeadPairs);
-}
-
-void refuse_more_beside_contact(std::string_view method, const World& world, bool but_damping) {
-  if (!touches_beside_more(world, but_damping)) return;
-  throw Diverged(std::string(method), world.time, 0, world.connectors.front().name, 0,
-                 kNoMoreBesideContact);
-}
-
-void refuse_strings(std::string_view method, const World& world) {
-  const auto found = std::ranges::find_if(world.connectors, &Connector::pulls);
-  if (found == world.connectors.end()) return;
-  throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoStrings);
-}
-
-void refuse_winches(std::string_view method, const World& world) {
-  for (const Connector& connector : world.connectors) {
-    if (!connector.winch) continue;
-    throw Diverged(std::string(method), world.time, 0, connector.name, 0, kNoWinches);
-  }
-}
-
-void refuse_pulleys(std::string_view method, const World& world) {
-  if (world.pulleys.empty()) return;
-  const Pulley& pulley = world.pulleys.front();
-  throw Diverged(std::string(method), world.time, 0, world.connectors[pulley.to].name, 0,
-                 kNoPulleys);
-}
-
 bool has_laden_materials(const World& world) {
   return std::ranges::any_of(world.connectors, [&](const Connector& connector) {
     const auto carried = [&](const Hold& hold) { return !is_prescribed(world, hold.to); };
@@ -333,6 +234,14 @@ Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number
       time(at),
       step(step_number),
       connector(body.name),
+      link(0) {}
+
+Diverged::Diverged(std::string method_name, double at, std::string refusal)
+    : std::runtime_error(printable(method_name + ": " + refusal)),
+      method(std::move(method_name)),
+      reason(std::move(refusal)),
+      time(at),
+      step(0),
       link(0) {}
 
 namespace {

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "sim/features/features.h"
 #include "sim/topology/parts.h"
 #include "sim/world/world.h"
 
@@ -70,6 +71,8 @@ class Diverged : public std::runtime_error {
   /// Of a body, which stands in `connector` then.
   Diverged(std::string method, double time, std::uint64_t step, const Body& body,
            const std::string& what);
+  /// Of a world that the method refuses: of no step and no connector.
+  Diverged(std::string method, double time, std::string refusal);
   std::string method, reason;
   double time;         // s
   std::uint64_t step;  // counted from the start of the simulation
@@ -150,38 +153,11 @@ struct MethodInfo {
   /// a full set of settings; null: there is no such theory.
   double (*longest_step)(const World& world, const Settings& settings) = nullptr;
   std::string_view longest_step_law = {};  // the law in a few words, for legends
-  /// Connectors may be massless spans; others take every connector for links.
-  bool follows_spans = false;
-  /// Beads touch what is in World::obstacles; others throw Diverged where there is anything.
-  bool touches_obstacles = false;
-  /// So do the capsules of free bodies; others throw Diverged where has_touching_bodies().
-  bool touches_with_bodies = false;
-  /// Links touch them as beads do where Connector::links_touch; others throw Diverged there.
-  bool touches_with_links = false;
-  /// Beads touch free bodies (World::bead_pairs); others throw Diverged where some are to.
-  bool beads_touch_bodies = false;
-  /// What touches may stand beside connectors that are joined, have winches or materials; others
-  /// throw Diverged where touches_beside_more().
-  bool touches_beside_more = false;
-  /// It may stand beside rigid links whose bends are damped and no more.
-  bool damps_beside_contact = false;
-  /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
-  /// Diverged where a world has such a one.
-  bool follows_materials = false;
-  /// Connectors may be joined (World::joints); others throw Diverged where some are.
-  bool follows_joints = false;
-  /// Links may be strings (Connector::pulls); others throw Diverged where some are.
-  bool follows_strings = false;
-  /// Connectors may have winches (Connector::winch); others throw Diverged where some have.
-  bool follows_winches = false;
-  /// Rope may pass pulleys (World::pulleys); others throw Diverged where some do.
-  bool follows_pulleys = false;
+  /// The features that it follows; advance() throws Diverged for a world that uses others.
+  Abilities abilities = {};
   /// Interventions on a part of a connector, between two holds, leave its other parts to their own
   /// steps, where they are rigid links and touch nothing (Method::advance_near()).
   bool parts_go_on = false;
-  /// Why it does not follow features of a world that it follows one by one, as in "follows no
-  /// joined connectors beside links that only pull", or empty. Null: it follows them together.
-  std::string (*refuses)(const World& world) = nullptr;
   /// The companion of a run with a full set of settings, coarser or finer, so that ErrorEstimate
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
@@ -197,11 +173,15 @@ struct MethodInfo {
   std::vector<bool> (*steps_as_links)(const World& world) = nullptr;
 };
 
-/// The part of `world` that the method does not know, as in "follows no links that only pull", or
-/// empty.
+/// Why the method refuses `world`, as words() has it, or empty.
 std::string refusal(const MethodInfo& method, const World& world);
-/// Whether the method knows all that is in `world`; else its advance() throws Diverged.
+/// Whether the method follows all features of `world`; else its advance() throws Diverged.
 bool follows(const MethodInfo& method, const World& world);
+/// For advance() of the method of that name where a world or its topology is new: throws Diverged
+/// with the refusal. Allocates nothing for a world that is followed.
+void require(std::string_view method, const World& world);
+/// The names of the methods that follow all features of `world`, as "xpbd, direct"; or empty.
+std::string methods_that_follow(const World& world);
 
 /// Every method, in the order in which tables show them.
 std::span<const MethodInfo> all_methods();
@@ -226,32 +206,6 @@ Settings with_defaults(const MethodInfo& method, Settings settings);
 /// Makes a method; settings left out take their defaults. Throws std::invalid_argument with the
 /// complaint when a setting is wrong or the name is unknown.
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings);
-
-/// For methods that know no contact: throws Diverged where has_contact().
-void refuse_obstacles(std::string_view method, const World& world);
-
-/// For methods that follow no free bodies that touch: throws Diverged where has_touching_bodies().
-void refuse_touching_bodies(std::string_view method, const World& world);
-/// For methods that touch obstacles with beads alone: throws Diverged where has_touching_links().
-void refuse_touching_links(std::string_view method, const World& world);
-
-/// For methods whose beads touch obstacles alone: throws Diverged where some are to touch bodies.
-void refuse_bead_pairs(std::string_view method, const World& world);
-/// For methods that know contact of rigid links that bend freely, or with `but_damping` also of
-/// those whose bends are damped: throws Diverged where touches_beside_more().
-void refuse_more_beside_contact(std::string_view method, const World& world,
-                                bool but_damping = false);
-
-/// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
-void refuse_materials(std::string_view method, const World& world);
-/// For methods to which particles are of one connector: throws Diverged where some are joined.
-void refuse_joints(std::string_view method, const World& world);
-/// For methods whose links push as they pull: throws Diverged where a connector's only pull.
-void refuse_strings(std::string_view method, const World& world);
-/// For methods whose links keep their lengths: throws Diverged where a connector has a winch.
-void refuse_winches(std::string_view method, const World& world);
-/// For methods that follow winches alone: throws Diverged where there are pulleys.
-void refuse_pulleys(std::string_view method, const World& world);
 
 /// The message of Diverged for Mechanism::run_through().
 inline constexpr const char* kRunThrough = "the rope has run through its pulley";

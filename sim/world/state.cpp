@@ -34,21 +34,4 @@ bool has_contact(const World& world) {
   return !world.obstacles.empty() || !world.pairs.empty() || !world.bead_pairs.empty();
 }
 
-bool only_damps_bends(const World& world) {
-  return std::ranges::all_of(world.connectors, [](const Connector& connector) {
-    return !connector.pulls && !(connector.drag.across > 0 || connector.drag.along > 0) &&
-           std::ranges::none_of(connector.holds, [](const Hold& h) { return !h.clamp.isZero(); }) &&
-           std::ranges::all_of(connector.sections, [](const Section& section) {
-             return std::isinf(section.axial_stiffness) && section.bending_stiffness == 0 &&
-                    section.twisting_stiffness == 0;
-           });
-  });
-}
-
-bool touches_beside_more(const World& world, bool but_damping) {
-  return has_contact(world) &&
-         (!world.joints.empty() || has_winches(world) ||
-          (has_materials(world) && !(but_damping && only_damps_bends(world))));
-}
-
 }  // namespace taut

@@ -58,11 +58,4 @@ bool has_strings(const World& world);
 /// Whether some free body touches obstacles (Body::capsule), and there are some, or another body.
 bool has_touching_bodies(const World& world);
 
-/// Whether the connectors' materials do no more than damp how rigid links that push and pull bend.
-bool only_damps_bends(const World& world);
-
-/// Whether something touches beside connectors that are joined, have winches, or stretch, bend or
-/// meet the air; with `but_damping` not where these only_damps_bends().
-bool touches_beside_more(const World& world, bool but_damping = false);
-
 }  // namespace taut

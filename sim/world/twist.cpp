@@ -63,6 +63,12 @@ ClampFrame clamp_frame(const World& world, const Hold& hold, double time) {
     found.turn_rate = turned.velocity.x();
   }
   if (hold.to.kind == Attachment::Kind::fixed) return found;
+  if (!is_prescribed(world, hold.to)) {
+    const Body& body = world.bodies[hold.to.body];
+    found.frame = body.rotation * found.frame;
+    found.spin = body.spin.dot(body.rotation * own);
+    return found;
+  }
   const FrameMotion frame = hold.to.kind == Attachment::Kind::path
                                 ? hold.to.path->at(time)
                                 : driven_frame(world.bodies[hold.to.body], time);

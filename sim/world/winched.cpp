@@ -23,22 +23,8 @@ const Hold* hold_at(const Connector& connector, std::size_t end) {
 
 std::string flaw_of(const World& world, std::size_t index) {
   const Connector& connector = world.connectors[index];
-  for (const Section& section : connector.sections) {
-    if (std::isfinite(section.axial_stiffness)) return "stretches";
-    if (section.twisting_stiffness > 0) return "resists twist";
-    if (section.bending_damping > 0) return "damps its bending";
-    if (!section.rest_curvature.isZero(0)) return "is curved at rest";
-    if (section.bending_stiffness != connector.sections[0].bending_stiffness) return "has a taper";
-  }
-  if (connector.pulls) return "is of strings";
-  if (connector.model == ConnectorModel::span) return "is a massless span";
   for (const Hold& hold : connector.holds) {
     if (!at_end(connector, hold)) return "is held between its ends";
-  }
-  for (const Joint& joint : world.joints) {
-    for (const Joint::Particle& at : joint.particles) {
-      if (at.connector == index) return "is joined";
-    }
   }
   for (const std::size_t end : {0u, 1u}) {
     if (!connector.winch->paths[end]) continue;
@@ -136,11 +122,8 @@ PaidOut paid_out(const World& world, std::size_t connector, std::size_t end, dou
 
 std::string winch_flaw(const World& world) {
   if (!has_winches(world)) return {};
-  if (has_contact(world)) return "there are winches, and something touches";
-  if (has_strings(world)) return "there are winches, and links that only pull";
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
-    if (connector.model == ConnectorModel::span) return "there are winches, and a massless span";
     if (!connector.winch) continue;
     const std::string what = flaw_of(world, c);
     if (!what.empty()) return "the connector " + connector.name + " has a winch and " + what;

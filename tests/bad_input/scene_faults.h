@@ -134,7 +134,7 @@ inline std::vector<SpoiltScene> spoilt_scenes() {
        "^bending_stiffness = 1.0",
        "stands beside material"},
       {"stiffness for a method without", "mass = 0.012", "mass = 0.012\n^bending_stiffness = 1.0",
-       "is unknown to the method impulse, expected one of: springs, xpbd, direct, truth"},
+       "the method impulse does not follow bending, expected one of: springs, xpbd, direct, truth"},
       {"clamp of what bends freely", "to = { body = \"free\",",
        "to = { body = \"free\", ^clamp = [0, 1, 0],", "bends freely has no direction"},
       {"winch below zero length", "from = { body = \"held\", point = [0.0, 0.15, 0.0] }",
@@ -157,7 +157,7 @@ inline std::vector<SpoiltScene> spoilt_scenes() {
       {"net for a method without", "[[pins]]",
        "[nets.^n]\nkind = \"net\"\norigin = [0, 1, 0]\nacross = [1, 0, 0]\ndown = [0, -1, 0]\n"
        "size = [1.0, 1.0]\nmass = 1.0\ncells = [4, 4]\nheld = \"upper edge\"\n[[pins]]",
-       "the method impulse follows no connectors that are joined, expected one of: springs"},
+       "the method impulse does not follow joints, expected one of: springs"},
       {"net without room to move", "[[pins]]",
        "[nets.n]\nkind = \"net\"\norigin = [0, 1, 0]\nacross = [1, 0, 0]\ndown = [0, -1, 0]\n"
        "size = [1.0, 1.0]\nmass = 1.0\ncells = [4, 4]\n^held = \"corners\"\n[[pins]]",

@@ -361,6 +361,12 @@ def exemptions(work):
     return table[1] if table else work.place(RESULTS["exemptions"])
 
 
+@result("features", SIM, measured=False)
+def features(work):
+    """methods by the features that they follow, and those that they do not follow together"""
+    return work.run("taut check --features").rstrip("\n")
+
+
 # The results in render/README.md and scenes/README.md.
 
 

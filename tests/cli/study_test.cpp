@@ -147,7 +147,8 @@ TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
   EXPECT_LT(double(methods.at(1).at("work_precision").at(0).at("penetration_m")), 1e-9);
   const ProgramResult claims = run_taut({"claims", "floor.toml"}, folder.path());
   EXPECT_EQ(claims.code, 2);
-  EXPECT_NE(claims.messages.find("has obstacles, which bench, chart"), std::string::npos);
+  EXPECT_NE(claims.messages.find("has obstacles (obstacle floor), which bench, chart"),
+            std::string::npos);
   const ProgramResult classes =
       run_taut({"classify", "floor.toml", "--methods", "dynamic-constraints,direct", "--json"},
                folder.path());
@@ -158,7 +159,9 @@ TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
   const ProgramResult unable =
       run_taut({"chart", "floor.toml", "--methods", "dynamic-constraints"}, folder.path());
   EXPECT_EQ(unable.code, 2);
-  EXPECT_NE(unable.messages.find("dynamic-constraints does not follow all"), std::string::npos);
+  EXPECT_NE(unable.messages.find(
+                "dynamic-constraints does not follow obstacles (obstacle floor), in floor.toml"),
+            std::string::npos);
   const ProgramResult compared =
       run_taut({"compare", "floor.toml", "--frames", "0-1", "--no-video", "--json"}, folder.path());
   ASSERT_EQ(compared.code, 0) << compared.messages;

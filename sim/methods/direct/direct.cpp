@@ -25,7 +25,7 @@ class Direct : public Method {
 
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
-      refuse_more_beside_contact("direct", world, /*but_damping=*/true);
+      require("direct", world);
     }
     if (options_.step > 0) step_count(until - world.time, options_.step);  // throws
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
@@ -150,10 +150,6 @@ class Direct : public Method {
           options_, [options = options_] { return std::make_unique<Direct>(options); });
     }
     if (!built_ || topology_ != world.topology) {
-      if (has_spans(world)) {
-        refuse_obstacles("direct with a massless span", world);
-        refuse_strings("direct with a massless span", world);
-      }
       built_ = true;
       topology_ = world.topology;
       contacts_->prepare(world);
@@ -300,17 +296,6 @@ std::vector<bool> stepped_as_links(const World& world) {
   return as_links;
 }
 
-/// Of what advance() would throw Diverged for.
-std::string no_combination(const World& world) {
-  const bool strings = has_strings(world);
-  if (!world.joints.empty() && strings) return "follows no joined connectors beside strings";
-  if (!has_spans(world)) return {};
-  if (!world.joints.empty()) return "follows no joined connectors beside massless spans";
-  if (has_hinges(world)) return "follows no connectors of length 0 beside massless spans";
-  if (has_contact(world)) return "follows no massless spans beside what touches";
-  return strings ? "follows no massless spans beside strings" : "";
-}
-
 }  // namespace
 
 MethodInfo direct_method() {
@@ -340,19 +325,22 @@ MethodInfo direct_method() {
         options.step = number(settings, "step");
         return std::make_unique<Direct>(options);
       },
-      .follows_spans = true,
-      .touches_obstacles = true,
-      .touches_with_bodies = true,
-      .touches_with_links = true,
-      .beads_touch_bodies = true,
-      .damps_beside_contact = true,
-      .follows_materials = true,
-      .follows_joints = true,
-      .follows_strings = true,
-      .follows_winches = true,
-      .follows_pulleys = true,
+      .abilities =
+          {Features::all() - Feature::clamp_on_body,
+           {
+               {kMaterialFeatures -
+                    Features{Feature::bending_damping, Feature::taper, Feature::material_on_body},
+                kContactFeatures},
+               {kMaterialFeatures | kJointFeatures, Feature::strings},
+               {kJointFeatures | Features{Feature::material_on_body, Feature::hinge} |
+                    kContactFeatures | Feature::strings,
+                Feature::span},
+               {kJointFeatures, kContactFeatures},
+               {kReelFeatures, kContactFeatures},
+               {kReelFeatures, {Feature::strings, Feature::span}},
+               {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
+           }},
       .parts_go_on = true,
-      .refuses = no_combination,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)

@@ -33,8 +33,6 @@ Elastic::Elastic(const StepOptions& options, std::function<std::unique_ptr<Metho
     : options_(options), rest_method_(make()) {}
 
 void Elastic::prepare(const World& world) {
-  if (has_contact(world)) refuse_materials("direct with contact", world);
-  if (has_strings(world)) refuse_materials("direct beside links that only pull", world);
   rest_ = world;
   rest_.connectors.clear();
   rest_connectors_.clear();

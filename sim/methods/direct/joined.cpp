@@ -36,14 +36,6 @@ void add_up(const Dop853::Row& weights, int count, double h,
 }  // namespace
 
 void Joined::rebuild(const World& world) {
-  if (has_contact(world)) refuse_joints("direct with contact", world);
-  if (has_strings(world)) refuse_joints("direct beside links that only pull", world);
-  if (has_spans(world)) refuse_joints("direct beside a massless span", world);
-  if (has_laden_materials(world)) {
-    if (has_contact(world)) refuse_materials("direct with contact", world);
-    if (has_strings(world)) refuse_materials("direct beside links that only pull", world);
-    if (has_spans(world)) refuse_materials("direct beside a massless span", world);
-  }
   built_ = true;
   topology_ = world.topology;
   mechanism_.rebuild(world);

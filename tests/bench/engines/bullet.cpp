@@ -258,9 +258,8 @@ MethodInfo bullet_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Bullet>(settings);
           },
-          .touches_obstacles = true,
-          .touches_with_bodies = true,
-          .follows_materials = true};
+          .abilities = {kPlainFeatures | kMaterialFeatures | kTouched | Feature::body_contact |
+                        Feature::body_pairs}};
 }
 
 }  // namespace taut::engines

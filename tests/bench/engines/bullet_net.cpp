@@ -22,8 +22,6 @@ class BulletNet : public NetEngine {
 
  private:
   void build(const Points& net) override {
-    refuse_strings(kName, world());
-    refuse_obstacles(kName, world());
     const Vec3& g = net.gravity();
     world_.setGravity({g.x(), g.y(), g.z()});
     btSoftBodyWorldInfo& info = world_.getWorldInfo();
@@ -89,7 +87,7 @@ MethodInfo bullet_net_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<BulletNet>(settings);
           },
-          .follows_joints = true};
+          .abilities = {kPlainFeatures | kJointFeatures}};
 }
 
 }  // namespace taut::engines

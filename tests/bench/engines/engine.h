@@ -20,8 +20,7 @@ class Engine : public Method {
   void advance(World& world, double until) final {
     world_ = &world;
     if (before_.empty()) {
-      refuse_winches(kName, world);
-      refuse_pulleys(kName, world);
+      require(called, world);
       try {
         build(world);
       } catch (const std::invalid_argument& error) {
@@ -86,7 +85,6 @@ class RodEngine : public Engine {
 
  private:
   void build(const World& world) final {
-    refuse_joints(kName, world);
     rods_.emplace(world);
     ends_.assign(rods_->rods().size() + 1, Vec3::Zero());
     build(*rods_);
@@ -113,7 +111,6 @@ class NetEngine : public Engine {
 
  private:
   void build(const World& world) final {
-    refuse_materials(kName, world);
     net_.emplace(world);
     for (const Point& point : net_->points()) positions_.push_back(point.position);
     build(*net_);
@@ -126,6 +123,10 @@ class NetEngine : public Engine {
   std::optional<Points> net_;
   std::vector<Vec3> positions_;  // m
 };
+
+/// What an engine's obstacles bring with them.
+inline constexpr Features kTouched{Feature::obstacle, Feature::moving_obstacle, Feature::friction,
+                                   Feature::restitution};
 
 MethodInfo bullet_method();
 MethodInfo mujoco_method();

@@ -210,9 +210,8 @@ MethodInfo mujoco_method() {
             return std::make_unique<MuJoCo>(settings);
           },
           .forms = {{"moments", {{"bending", std::string("moments")}}}},
-          .touches_obstacles = true,
-          .touches_with_bodies = true,
-          .follows_materials = true};
+          .abilities = {kPlainFeatures | kMaterialFeatures | kTouched | Feature::body_contact |
+                        Feature::body_pairs}};
 }
 
 }  // namespace taut::engines

@@ -91,9 +91,7 @@ MethodInfo mujoco_net_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<MuJoCoNet>(settings);
           },
-          .touches_obstacles = true,
-          .follows_joints = true,
-          .follows_strings = true};
+          .abilities = {kPlainFeatures | kJointFeatures | kTouched | Feature::strings}};
 }
 
 }  // namespace taut::engines

@@ -178,9 +178,8 @@ MethodInfo ode_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Ode>(settings);
           },
-          .touches_obstacles = true,
-          .touches_with_bodies = true,
-          .follows_materials = true};
+          .abilities = {kPlainFeatures | kMaterialFeatures | kTouched | Feature::body_contact |
+                        Feature::body_pairs}};
 }
 
 }  // namespace taut::engines

@@ -115,9 +115,7 @@ MethodInfo ode_net_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<OdeNet>(settings);
           },
-          .touches_obstacles = true,
-          .follows_joints = true,
-          .follows_strings = true};
+          .abilities = {kPlainFeatures | kJointFeatures | kTouched | Feature::strings}};
 }
 
 }  // namespace taut::engines

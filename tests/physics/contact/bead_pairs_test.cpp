@@ -224,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(AsGamesDo, BeadsOfNets, testing::Values("xpbd", "spring
 
 TEST(BeadPairs, OthersRefuseThemByName) {
   for (const MethodInfo& method : all_methods()) {
-    if (method.beads_touch_bodies || !method.missing.empty()) continue;
+    if (method.abilities.follows.has(Feature::bead_pairs) || !method.missing.empty()) continue;
     const World world = bead_meets_ball(Vec3::UnitY(), -Vec3::UnitY(), 0, 0);
     EXPECT_FALSE(refusal(method, world).empty());
     Simulation simulation(world, make_method(method.name, {}));

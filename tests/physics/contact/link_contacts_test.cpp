@@ -98,13 +98,15 @@ INSTANTIATE_TEST_SUITE_P(AsGamesDo, LinkContacts, testing::Values("xpbd", "sprin
 
 TEST(LinkContacts, OthersRefuseThemByName) {
   for (const MethodInfo& method : all_methods()) {
-    if (method.touches_with_links || !method.touches_obstacles || !method.missing.empty()) continue;
+    if (method.abilities.follows.has(Feature::links_touch) ||
+        !method.abilities.follows.has(Feature::obstacle) || !method.missing.empty())
+      continue;
     Simulation simulation(rope_across_post(3, 0), make_method(method.name, {}));
     try {
       simulation.advance_to(0.01);
       ADD_FAILURE() << method.name;
     } catch (const Diverged& refused) {
-      EXPECT_NE(std::string(refused.what()).find("not with links"), std::string::npos)
+      EXPECT_NE(std::string(refused.what()).find("capsule links"), std::string::npos)
           << refused.what();
     }
   }

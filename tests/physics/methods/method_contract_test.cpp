@@ -265,12 +265,12 @@ TEST_P(MethodContract, AFloor) {
   floor.static_friction = floor.kinetic_friction = 0.5;
   world.obstacles = {floor};
   world.topology = structure(world);
-  if (!find_method(theory().method)->touches_obstacles) {
+  if (!find_method(theory().method)->abilities.follows.has(Feature::obstacle)) {
     try {
       after(world, kHorizon);
       ADD_FAILURE() << theory().label << " says nothing of the floor";
     } catch (const Diverged& error) {
-      EXPECT_NE(std::string(error.what()).find("knows no contact, and there is the obstacle floor"),
+      EXPECT_NE(std::string(error.what()).find("does not follow obstacles (obstacle floor)"),
                 std::string::npos)
           << error.what();
     }
@@ -292,12 +292,12 @@ TEST_P(MethodContract, AString) {
   }
   world.connectors[0].pulls = true;
   world.topology = structure(world);
-  if (!find_method(theory().method)->follows_strings) {
+  if (!find_method(theory().method)->abilities.follows.has(Feature::strings)) {
     try {
       after(world, kHorizon);
       ADD_FAILURE() << theory().label << " says nothing of the string";
     } catch (const Diverged& error) {
-      EXPECT_NE(std::string(error.what()).find("follows no links that only pull"),
+      EXPECT_NE(std::string(error.what()).find("does not follow strings (connector chain)"),
                 std::string::npos)
           << error.what();
     }

@@ -64,11 +64,12 @@ TEST_F(BodyContactScene, OtherMethodsAreRefused) {
   for (const MethodInfo& method : all_methods()) {
     if (!method.missing.empty()) continue;
     const std::string text = stick_with(kStick + kAbove + "contact = {}", std::string(method.name));
-    if (method.touches_with_bodies) {
+    if (method.abilities.follows.has(Feature::body_contact)) {
       EXPECT_TRUE(follows(method, read(text))) << method.name;
     } else {
-      expect(text, method.touches_obstacles ? "follows no free bodies that touch obstacles"
-                                            : "knows no contact");
+      expect(text, method.abilities.follows.has(Feature::obstacle)
+                       ? "does not follow contact of bodies with obstacles"
+                       : "does not follow obstacles");
     }
   }
 }
@@ -130,9 +131,12 @@ TEST_F(BodyContactScene, FaultsOfPairsAreNamed) {
                        "to = { free = true }\n" +
                        keys);
   };
-  expect(rope("mass = 0\nparticles = 2\nmodel = \"span\""), "massless spans");
+  expect(rope("mass = 0\nparticles = 2\nmodel = \"span\""),
+         "rope.model: the method direct does not follow contact between bodies together with "
+         "massless spans");
   expect(rope("mass = 0.1\nparticles = 9\naxial_stiffness = 10.0"),
-         "stands in a scene with bodies that touch, where links of the method direct are rigid");
+         "rope.axial_stiffness: the method direct does not follow stretch together with contact "
+         "between bodies (touching.sticks, line");
 }
 
 const std::string kNetBelow =
@@ -166,10 +170,12 @@ TEST_F(BodyContactScene, FaultsOfBeadsThatTouchBodiesAreNamed) {
   inside.replace(inside.find("[-0.5, -1, -0.5]"), 16, "[-0.5, 0.0, -0.5]");
   expect(inside, "nets.net: its particle");
   for (const MethodInfo& method : all_methods()) {
-    if (!method.touches_with_bodies || method.beads_touch_bodies) continue;
+    if (!method.abilities.follows.has(Feature::body_contact) ||
+        method.abilities.follows.has(Feature::bead_pairs))
+      continue;
     expect(sticks_with(kNetBelow + beads_touch("\"net\""), std::string(method.name)),
            "touching.both.connectors: the method " + std::string(method.name) +
-               " follows no connectors that touch free bodies, expected one of: springs, xpbd");
+               " does not follow contact of beads with bodies, expected one of: springs, xpbd");
   }
 }
 
@@ -177,8 +183,8 @@ TEST_F(BodyContactScene, JoinedConnectorsTouchObstaclesInSomeMethods) {
   const std::string floor = "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -2, 0]\n";
   EXPECT_EQ(read(sticks_with(kNetBelow + floor, "springs")).obstacles.size(), 1u);
   expect(sticks_with(kNetBelow + floor, "direct"),
-         "nets.net: stands in a scene with obstacles, where the method direct follows no "
-         "connectors that are joined, expected one of: springs, xpbd");
+         "nets.net: the method direct does not follow joints together with obstacles "
+         "(obstacles.floor, line 42), expected one of: springs, xpbd");
   expect(sticks_with(kNetBelow + "[obstacles.floor]\nshape = { plane = {} }\n"
                                  "position = [0, -0.5, 0]\nignores = [\"s0\", \"s1\", \"s2\"]",
                      "springs"),
@@ -189,13 +195,12 @@ TEST_F(BodyContactScene, OtherMethodsAreRefusedWithPairs) {
   for (const MethodInfo& method : all_methods()) {
     if (!method.missing.empty()) continue;
     const std::string text = sticks_with(kAll, std::string(method.name));
-    if (method.touches_with_bodies) {
+    if (method.abilities.follows.has(Feature::body_contact)) {
       EXPECT_TRUE(follows(method, read(text))) << method.name;
     } else {
       expect(
           text,
-          "follows no free bodies that touch each other, expected one of: springs, xpbd, direct, "
-          "truth");
+          "does not follow contact between bodies, expected one of: springs, xpbd, direct, truth");
     }
   }
 }

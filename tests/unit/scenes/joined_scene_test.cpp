@@ -150,14 +150,15 @@ TEST_F(JoinedScene, OtherMethodsAndObstaclesAreRefused) {
   for (const MethodInfo& method : all_methods()) {
     std::string text = kHead + kTrunk + branch("connector = \"trunk\", at = 0.4");
     text.replace(text.find("direct"), 6, method.name);
-    if (method.follows_joints) {
+    if (method.abilities.follows.has(Feature::joint)) {
       EXPECT_EQ(said(text), "nothing") << method.name;
     } else if (method.missing.empty()) {
-      expect(text, "follows no connectors that are joined, expected one of: springs, xpbd, direct");
+      expect(text, "does not follow joints, expected one of: springs, xpbd, direct");
     }
   }
   expect(kHead + net("net", "upper edge") + "[obstacles.floor]\nshape = { plane = {} }\n",
-         "stands in a scene with obstacles");
+         "nets.net: the method direct does not follow joints together with obstacles "
+         "(obstacles.floor, line");
 }
 
 TEST_F(JoinedScene, NetsLaddersAndWebs) {

@@ -33,12 +33,12 @@ class LinkContactScene : public SceneTexts {};
 
 TEST_F(LinkContactScene, IsReadWhereTheMethodFollowsIt) {
   for (const MethodInfo& method : all_methods()) {
-    if (!method.missing.empty() || !method.touches_obstacles) continue;
+    if (!method.missing.empty() || !method.abilities.follows.has(Feature::obstacle)) continue;
     const std::string text = fmt::format(kLinks, method.name, "free = true");
-    if (method.touches_with_links) {
+    if (method.abilities.follows.has(Feature::links_touch)) {
       EXPECT_TRUE(has_touching_links(read(text).world)) << method.name;
     } else {
-      expect(text, fmt::format("the method {} touches obstacles with beads alone, expected one of: "
+      expect(text, fmt::format("the method {} does not follow capsule links, expected one of: "
                                "springs, xpbd, direct",
                                method.name));
     }
@@ -47,7 +47,7 @@ TEST_F(LinkContactScene, IsReadWhereTheMethodFollowsIt) {
 
 TEST_F(LinkContactScene, IsReadWhereTheMethodFollowsItAtBodies) {
   for (const MethodInfo& method : all_methods()) {
-    if (!method.missing.empty() || !method.touches_with_links) continue;
+    if (!method.missing.empty() || !method.abilities.follows.has(Feature::links_touch)) continue;
     const std::string text = fmt::format(kLinks, method.name, "body = \"ball\"");
     EXPECT_TRUE(has_touching_links(read(text).world)) << method.name;
   }

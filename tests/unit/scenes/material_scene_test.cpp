@@ -121,14 +121,16 @@ TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
   const std::string keys = "mass = 1\nbending_stiffness = 1";
   for (const MethodInfo& method : all_methods()) {
     const std::string text = rope_with(keys, "fixed = [0, 1, 0]", "", std::string(method.name));
-    if (method.follows_materials) {
+    if (method.abilities.follows.has(Feature::bending)) {
       EXPECT_EQ(said(text), "nothing") << method.name;
     } else if (method.missing.empty()) {
       expect(text, "expected one of: springs, xpbd, direct, truth");
     }
   }
-  expect(rope_with(keys) + "[obstacles.floor]\nshape = { plane = {} }\n",
-         "stands in a scene with obstacles");
+  expect(
+      rope_with(keys) + "[obstacles.floor]\nshape = { plane = {} }\n",
+      "scene.toml:5:1: connectors.rope.bending_stiffness: the method direct does not follow "
+      "bending together with obstacles (obstacles.floor, line 12), expected one of: springs, xpbd");
 }
 
 /// A rope between two clamps along x, with `turn` beside the second.

@@ -258,10 +258,10 @@ TEST_F(ObstacleScene, FaultsAreNamed) {
          "13:", "is around what holds connector rope (particle 0), 0.1 m deep");
   expect("[obstacles.ball]\nshape = { sphere = { diameter = 0.2 } }\nposition = [0.5, 1, 0]\n",
          "2:", "its particle 8 starts 0.01 m inside of obstacle ball");
-  expect(
-      "[method]\nname = \"dynamic-constraints\"\n", "10:",
-      "the method dynamic-constraints knows no contact, expected one of: impulse, springs, xpbd, "
-      "direct, truth");
+  expect("[method]\nname = \"dynamic-constraints\"\n", "10:",
+         "the method dynamic-constraints does not follow obstacles, expected one of: impulse, "
+         "springs, xpbd, "
+         "direct, truth");
 }
 
 // The beads touch the post at equal angles, and both ends hang.
@@ -308,8 +308,8 @@ TEST_F(ObstacleScene, MassesSpansTouchNothing) {
   std::string scene = kScene;
   scene.insert(scene.find("radius"), "model = \"span\"\n");
   const std::string message = said("", scene);
-  EXPECT_NE(message.find("scene.toml:6:9"), std::string::npos) << message;
-  EXPECT_NE(message.find("a massless span touches no obstacle"), std::string::npos) << message;
+  EXPECT_NE(message.find("scene.toml:6:1: connectors.rope.model: "), std::string::npos) << message;
+  EXPECT_NE(message.find("together with massless spans"), std::string::npos) << message;
 }
 
 TEST_F(ObstacleScene, TooFewBeadsAreToldWithHowManyWouldDo) {

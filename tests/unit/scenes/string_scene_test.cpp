@@ -45,29 +45,31 @@ TEST_F(StringScene, FaultsAreNamed) {
   expect(string_with("links = \"push\""), "rigid");
   std::string span = string_with(kPull + "model = \"span\"");
   expect(span, "needs model = \"links\"");
-  expect(string_with(kPull + "bending_stiffness = 1"), "stands beside bending_stiffness");
+  expect(string_with(kPull + "bending_stiffness = 1"),
+         "bending_stiffness: the method direct does not follow bending together with strings");
   expect(string_with(kPull) +
              "[connectors.hose]\nlength = 1\nmass = 1\nparticles = 3\n"
              "axial_stiffness = 9\nfrom = { fixed = [0, 1, 0] }\n"
              "to = { free = true }\n",
-         "in a scene with connectors.hose, which stretches, bends or meets the air");
+         "connectors.hose.axial_stiffness: the method direct does not follow stretch together with "
+         "strings (connectors.string.links, line");
   expect(string_with(kPull) +
              "[connectors.branch]\nlength = 1\nmass = 1\nparticles = 3\n"
              "from = { connector = \"string\", at = 0.5 }\n"
              "to = { free = true }\n",
-         "in which connectors are joined");
+         "connectors.branch.from.connector: the method direct does not follow joints together with "
+         "strings");
 }
 
 TEST_F(StringScene, OtherMethodsAreRefused) {
   for (const MethodInfo& method : all_methods()) {
     if (!method.missing.empty()) continue;
     const std::string text = string_with(kPull, std::string(method.name));
-    if (method.follows_strings) {
+    if (method.abilities.follows.has(Feature::strings)) {
       EXPECT_TRUE(has_strings(read(text))) << method.name;
     } else {
       expect(text, "the method " + std::string(method.name) +
-                       " follows no links that only pull, expected one of: springs, xpbd, direct, "
-                       "truth");
+                       " does not follow strings, expected one of: springs, xpbd, direct, truth");
     }
   }
 }

@@ -167,7 +167,7 @@ TEST(Allocations, SteppingMaterialsDoesNotAllocateAfterTheFirstCall) {
   start.connectors = {rope};
   finish(start);
   for (const MethodInfo& method : all_methods()) {
-    if (!method.follows_materials || method.reference) continue;
+    if (!method.abilities.follows.has(Feature::bending) || method.reference) continue;
     World world = start;
     const auto stepper = make_method(method.name, {});
     stepper->advance(world, 0.05);
@@ -187,7 +187,7 @@ TEST(Allocations, SteppingJoinedConnectorsDoesNotAllocateAfterTheFirstCall) {
   start.joints = {{{{0, 4}, {1, 0}}}};
   finish(start);
   for (const MethodInfo& method : all_methods()) {
-    if (!method.follows_joints || method.reference) continue;
+    if (!method.abilities.follows.has(Feature::joint) || method.reference) continue;
     World world = start;
     const auto stepper = make_method(method.name, {});
     stepper->advance(world, 0.05);

@@ -47,7 +47,7 @@ TEST(Methods, SayWhatTheyDoNotFollow) {
   EXPECT_EQ(refusal(*find_method("dynamic-constraints"), world), "");
   world.obstacles.emplace_back().name = "floor";
   EXPECT_EQ(refusal(*find_method("dynamic-constraints"), world),
-            "knows no contact, and there is the obstacle floor");
+            "does not follow obstacles (obstacle floor)");
   EXPECT_EQ(refusal(*find_method("direct"), world), "");
 }
 
