@@ -53,15 +53,6 @@ void SteppedMethod::advance(World& world, double until) {
   mechanism_.store(state_, until, world);
 }
 
-std::vector<Apart> stepped_apart() {
-  return {
-      {kReelFeatures, kContactFeatures},
-      {kReelFeatures, Feature::strings},
-      {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
-      {kMaterialFeatures, Feature::strings, {}, Apart::Within::connector},
-  };
-}
-
 void row_mobility(const Mechanism& mechanism, std::vector<double>& rows) {
   resize_within(mechanism.row_room(), mechanism.rows().size(), rows);
   const auto& mobile = mechanism.inverse_mass();

@@ -39,9 +39,6 @@ class SteppedMethod : public Method {
   std::vector<double> state_;
 };
 
-/// What these methods do not follow together where they follow one by one.
-std::vector<Apart> stepped_apart();
-
 /// How freely a pull along each row parts its points (1/kg): at most, in whatever direction.
 void row_mobility(const Mechanism& mechanism, std::vector<double>& rows);
 

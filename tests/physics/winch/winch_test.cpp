@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include "../material/material_worlds.h"
@@ -320,6 +322,54 @@ TEST(Winch, OthersRefuseByName) {
     }
   }
   EXPECT_GE(refused, 3u);
+}
+
+/// A rope of strings or rods from a winch over a smooth post to a load.
+World over_a_post(bool pulls, double paid_out) {
+  constexpr std::size_t kParticles = 25;
+  constexpr double kLength = 1.2, kBefore = 0.5, kRound = 0.11;
+  World world;
+  Connector rope =
+      straight_connector("rope", kLength, 0.05, kParticles, Vec3::Zero(), Vec3::UnitX());
+  for (std::size_t i = 0; i < kParticles; ++i) {
+    const double along = kLength * static_cast<double>(i) / (kParticles - 1) - kBefore;
+    const double turned = std::clamp(along / kRound, 0.0, std::numbers::pi / 2);
+    rope.position[i] = kRound * Vec3(std::sin(turned), std::cos(turned), 0);
+    if (along < 0) rope.position[i].x() = along;
+    if (turned == std::numbers::pi / 2) rope.position[i].y() = kRound * turned - along;
+  }
+  rope.radius = 0.01;
+  rope.particle_mass.back() += 0.5;
+  rope.holds = {{0, worlds::fixed_at(rope.position[0])}};
+  rope.pulls = pulls;
+  world.connectors = {rope};
+  add_winches(world, world.connectors[0], paying({{0, 0}, {1, paid_out}}), nullptr);
+  Obstacle post;
+  post.name = "post";
+  post.shape = cylinder_shape(kRound - rope.radius, 1, 0);
+  post.place.rotation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()));
+  world.obstacles = {post};
+  finish(world);
+  return world;
+}
+
+// The rope lies on the post as a polygon of its links.
+TEST(Winch, LiftsALoadOverASmoothPostByXpbd) {
+  for (const bool pulls : {false, true}) {
+    for (const double paid_out : {-0.3, 0.2}) {
+      const World start = over_a_post(pulls, paid_out);
+      Simulation simulation(start, make_method("xpbd", {{"step", 1e-4}}));
+      simulation.advance_to(1.5);
+      const Vec3 load = simulation.world().connectors[0].position.back();
+      EXPECT_NEAR(load.y() - start.connectors[0].position.back().y(), -paid_out, 0.006) << pulls;
+      EXPECT_NEAR(load.x(), 0.11, 0.006);
+    }
+  }
+  World rough = over_a_post(false, 0.2);
+  rough.obstacles[0].kinetic_friction = rough.obstacles[0].static_friction = 0.2;
+  EXPECT_EQ(refusal(*find_method("xpbd"), rough),
+            "does not follow winches (connector rope) together with friction (obstacle post): rope "
+            "of a winch flows past the particles that touch");
 }
 
 TEST(Winch, WorldsSayWhatIsWrongWithTheirs) {
