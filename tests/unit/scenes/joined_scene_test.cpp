@@ -157,7 +157,7 @@ TEST_F(JoinedScene, OtherMethodsAndObstaclesAreRefused) {
     }
   }
   expect(kHead + net("net", "upper edge") + "[obstacles.floor]\nshape = { plane = {} }\n",
-         "nets.net: the method direct does not follow joints together with obstacles "
+         "nets.n: the method direct does not follow joints together with obstacles "
          "(obstacles.floor, line");
 }
 

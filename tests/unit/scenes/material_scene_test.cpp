@@ -129,8 +129,8 @@ TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
   }
   expect(
       rope_with(keys) + "[obstacles.floor]\nshape = { plane = {} }\n",
-      "scene.toml:5:1: connectors.rope.bending_stiffness: the method direct does not follow "
-      "bending together with obstacles (obstacles.floor, line 12), expected one of: springs, xpbd");
+      "scene.toml:12:1: connectors.rope.bending_stiffness: the method direct does not follow "
+      "bending together with obstacles (obstacles.floor, line 13), expected one of: springs, xpbd");
 }
 
 /// A rope between two clamps along x, with `turn` beside the second.

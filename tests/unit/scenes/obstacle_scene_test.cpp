@@ -308,8 +308,10 @@ TEST_F(ObstacleScene, MassesSpansTouchNothing) {
   std::string scene = kScene;
   scene.insert(scene.find("radius"), "model = \"span\"\n");
   const std::string message = said("", scene);
-  EXPECT_NE(message.find("scene.toml:6:1: connectors.rope.model: "), std::string::npos) << message;
-  EXPECT_NE(message.find("together with massless spans"), std::string::npos) << message;
+  EXPECT_NE(message.find("scene.toml:11:12: obstacles.floor: "), std::string::npos) << message;
+  EXPECT_NE(message.find("together with massless spans (connectors.rope.model, line 6)"),
+            std::string::npos)
+      << message;
 }
 
 TEST_F(ObstacleScene, TooFewBeadsAreToldWithHowManyWouldDo) {

@@ -212,6 +212,8 @@ to = { fixed = [0.6, 1, 0] }
 
 TEST_F(SceneTest, JointsOfNoLengthAndSpansWithoutMass) {
   const scenes::Scene scene = read(R"(
+[method]
+name = "impulse"
 [bodies.b]
 mass = 1.0
 inertia = [1.0, 1.2, 0.9, 0.1, 0, 0]
