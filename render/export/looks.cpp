@@ -12,7 +12,7 @@ bool same(const std::vector<scenes::CameraKey>& a, const std::vector<scenes::Cam
   return std::ranges::equal(a, b, [](const scenes::CameraKey& x, const scenes::CameraKey& y) {
     return x.time == y.time && x.position == y.position && x.target == y.target &&
            x.field_of_view == y.field_of_view && x.relative_aperture == y.relative_aperture &&
-           x.focus == y.focus;
+           x.focus == y.focus && x.orbit == y.orbit;
   });
 }
 

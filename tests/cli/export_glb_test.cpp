@@ -128,6 +128,23 @@ TEST(GlbExport, ATubeGoesThroughItsParticles) {
   }
 }
 
+// Blender's rest pose is that of the nodes: there a tube has to be as its mesh is, also at an end
+// that never moves.
+TEST(GlbExport, ATubesJointsRestWhereItsMeshWasMade) {
+  for (const char* name : {"rope_swing.toml", "hose.toml"}) {
+    const GlbFile file(exported(scene_of(name), exporting::glb_writer));
+    ASSERT_FALSE(file.root()["skins"].empty());
+    for (const auto& skin : file.root()["skins"]) {
+      const auto inverse = file.numbers(skin["inverseBindMatrices"]);
+      for (std::size_t k = 0; k < skin["joints"].size(); ++k) {
+        const Eigen::Matrix4d bind = file.resting(skin["joints"][k]).matrix() *
+                                     Eigen::Map<const Eigen::Matrix4d>(inverse.data() + 16 * k);
+        EXPECT_LT((bind - Eigen::Matrix4d::Identity()).norm(), 1e-6) << name << ' ' << k;
+      }
+    }
+  }
+}
+
 class DemoGlb : public testing::Test {
  protected:
   static void SetUpTestSuite() {

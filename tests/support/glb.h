@@ -92,12 +92,30 @@ class GlbFile {
   }
 
   /// Of the animation, s.
-  Numbers keys() const { return channels_.empty() ? Numbers() : channels_.front().times; }
+  Numbers keys() const {
+    Numbers longest;
+    for (const Channel& channel : channels_)
+      if (channel.times.size() > longest.size()) longest = channel.times;
+    return longest;
+  }
 
   /// From a node's axes to the world's at that time.
   Eigen::Affine3d world(std::size_t node, double time) const {
     Eigen::Affine3d place = Eigen::Affine3d::Identity();
     for (; node != kNone; node = parent_[node]) place = local(node, time) * place;
+    return place;
+  }
+
+  /// The same by the nodes' own places, whatever moves them.
+  Eigen::Affine3d resting(std::size_t node) const {
+    Eigen::Affine3d place = Eigen::Affine3d::Identity();
+    for (; node != kNone; node = parent_[node]) {
+      const Json& n = root_["nodes"][node];
+      const Numbers t = n.value("translation", Numbers{0, 0, 0}),
+                    r = n.value("rotation", Numbers{0, 0, 0, 1});
+      place = Eigen::Translation3d(t[0], t[1], t[2]) *
+              Eigen::Quaterniond(r[3], r[0], r[1], r[2]).normalized() * place;
+    }
     return place;
   }
 

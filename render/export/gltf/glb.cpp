@@ -86,6 +86,7 @@ class GlbWriter final : public FrameWriter {
                         scene_.file.string(), connector.name, connector.particles(), kMostJoints));
       connectors_.emplace_back(file_, meshes_, connector, look_of(scene_, i++), bodies_,
                                body_models(scene_));
+      for (const std::size_t joint : connectors_.back().joints()) motion_.keep(joint);
       points += connector.particles();
     }
     tracks_.emplace(points, bounding_radii(scene_));

@@ -117,6 +117,10 @@ void GltfConnector::add_tube(GltfFile& file, GltfMeshes& meshes, const Connector
       v.weights = {1, 0, 0, 0};
     }
   }
+  // Joints are there as the mesh was made: Blender's rest pose is that of the nodes, and a mesh
+  // that is collapsed there has its normals from nowhere.
+  for (std::size_t i = 0; i < straight.size(); ++i)
+    file.place(particles_[i], {straight[i], Quat::Identity()});
   std::vector<float> inverse_bind;
   for (const Vec3& p : straight) {
     const float m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -float(p.y()), 0, 1};

@@ -19,6 +19,12 @@ class GltfConnector {
   /// The nodes of the particles, for whoever moves them.
   const std::vector<std::size_t>& particles() const { return particles_; }
 
+  /// Those of them that are joints of a tube: their own places are those of its mesh as it is made.
+  std::span<const std::size_t> joints() const {
+    return links_.empty() ? std::span<const std::size_t>(particles_)
+                          : std::span<const std::size_t>();
+  }
+
   /// Turns particles or links as they are at the next key.
   void turn(std::span<const Vec3> particles, std::span<const Pose> bodies, GltfMotion& motion);
 

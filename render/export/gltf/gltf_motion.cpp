@@ -78,7 +78,12 @@ void GltfMotion::spline(std::size_t node, const char* path, std::size_t size,
                         const std::vector<float>& numbers) {
   if (stands(numbers, 3 * size, 0)) {
     const auto value = numbers.begin() + std::ptrdiff_t(size);
-    file_.node(node)[path] = std::vector<float>(value, value + std::ptrdiff_t(size));
+    const std::vector<float> one(value, value + std::ptrdiff_t(size));
+    if (joints_.contains(node)) {
+      still<float>(node, path, {GltfFile::f32, size == 3 ? "VEC3" : "VEC4"}, one);
+    } else {
+      file_.node(node)[path] = one;
+    }
     return;
   }
   channel(node, path, "CUBICSPLINE",
@@ -118,22 +123,35 @@ void GltfMotion::straight(std::size_t node, const char* path, const GltfFile::Nu
   samplers_.back()["input"] = input(own);
 }
 
+template <typename Number>
+void GltfMotion::still(std::size_t node, const char* path, const GltfFile::Numbers& about,
+                       std::span<const Number> value) {
+  channel(node, path, "STEP", file_.add_numbers(value, about));
+  if (!start_) start_ = input({0});
+  samplers_.back()["input"] = *start_;
+}
+
 void GltfMotion::finish(const std::string& name, const std::vector<float>& times) {
   for (const auto& [node, numbers] : translations_) {
     constexpr double kStill = 1e-7, kOff = 2e-5;  // m
-    if (stands(numbers, 3, kStill)) {
-      file_.place(node, {Vec3(numbers[0], numbers[1], numbers[2]), Quat::Identity()});
+    const GltfFile::Numbers about{GltfFile::f32, "VEC3"};
+    if (!stands(numbers, 3, kStill)) {
+      straight(node, "translation", about, 3, kOff, numbers, times);
+    } else if (joints_.contains(node)) {
+      still(node, "translation", about, std::span<const float>(numbers).first(3));
     } else {
-      straight(node, "translation", {GltfFile::f32, "VEC3"}, 3, kOff, numbers, times);
+      file_.place(node, {Vec3(numbers[0], numbers[1], numbers[2]), Quat::Identity()});
     }
   }
   for (const auto& [node, numbers] : rotations_) {
-    if (stands(numbers, 4, 2)) {
-      file_.place(node, {Vec3::Zero(), Quat(numbers[3], numbers[0], numbers[1], numbers[2])});
+    constexpr double kSteps = 2;  // of 16 bits: 6e-5 rad
+    const GltfFile::Numbers about{GltfFile::i16, "VEC4", GltfFile::Use::animation, true};
+    if (!stands(numbers, 4, kSteps)) {
+      straight(node, "rotation", about, 4, kSteps, numbers, times);
+    } else if (joints_.contains(node)) {
+      still(node, "rotation", about, std::span<const std::int16_t>(numbers).first(4));
     } else {
-      constexpr double kSteps = 2;  // of 16 bits: 6e-5 rad
-      straight(node, "rotation", {GltfFile::i16, "VEC4", GltfFile::Use::animation, true}, 4, kSteps,
-               numbers, times);
+      file_.place(node, {Vec3::Zero(), Quat(numbers[3], numbers[0], numbers[1], numbers[2])});
     }
   }
   if (channels_.empty()) return;

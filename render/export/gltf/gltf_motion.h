@@ -2,6 +2,9 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <set>
+#include <span>
 #include <vector>
 
 #include "render/export/gltf/gltf_file.h"
@@ -12,6 +15,9 @@ class GltfMotion {
  public:
   explicit GltfMotion(GltfFile& file) : file_(file) {}
 
+  /// The node's own place is that of a joint as its mesh was made, and stays in the file.
+  void keep(std::size_t node) { joints_.insert(node); }
+
   /// Where a node is at the next key, against its parent; straight between keys. Of each node at
   /// every key or never. Rotations are kept in 16 bits a number, to 6e-5 rad.
   void translate(std::size_t node, const Vec3& to);
@@ -21,8 +27,8 @@ class GltfMotion {
   void spline_translation(std::size_t node, const std::vector<float>& numbers);
   void spline_rotation(std::size_t node, const std::vector<float>& numbers);
 
-  /// Adds the animation to the file. A constant value becomes its node's place instead. Nothing can
-  /// be added then.
+  /// Adds the animation to the file. A constant value becomes its node's place instead, unless that
+  /// is kept. Nothing can be added then.
   void finish(const std::string& name, const std::vector<float>& times);
 
  private:
@@ -34,6 +40,10 @@ class GltfMotion {
   void straight(std::size_t node, const char* path, const GltfFile::Numbers& about,
                 std::size_t size, double most, const std::vector<Number>& track,
                 const std::vector<float>& times);
+  /// A track of one key.
+  template <typename Number>
+  void still(std::size_t node, const char* path, const GltfFile::Numbers& about,
+             std::span<const Number> value);
   std::size_t input(const std::vector<float>& times);
   void channel(std::size_t node, const char* path, const char* interpolation, std::size_t output);
 
@@ -45,7 +55,9 @@ class GltfMotion {
   GltfFile& file_;
   std::map<std::size_t, std::vector<float>> translations_;
   std::map<std::size_t, std::vector<std::int16_t>> rotations_;
-  std::size_t times_ = 0;  // the accessor
+  std::set<std::size_t> joints_;      // whose places are kept
+  std::optional<std::size_t> start_;  // the accessor of a list of one key
+  std::size_t times_ = 0;             // the accessor of all
   GltfFile::Json channels_ = GltfFile::Json::array(), samplers_ = GltfFile::Json::array();
 };
 
