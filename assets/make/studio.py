@@ -6,14 +6,14 @@ import numpy as np
 
 from mesh import Part
 
-_WIDE, _FRONT, _BACK, _TOP, _BEND = 10.0, 5.0, -2.4, 6.0, 1.5  # m
+_WIDE, _FRONT, _BACK, _TOP, _BEND = 30.0, 12.0, -2.4, 20.0, 1.5  # m
 
 
 def _profile():
     """From the front edge of the floor to the top of the wall: (y, z), and its normals."""
     angle = np.linspace(0, np.pi / 2, 25)
-    floor = np.linspace(_FRONT, _BACK + _BEND, 30)[:-1]
-    wall = np.linspace(_BEND, _TOP, 20)[1:]
+    floor = np.linspace(_FRONT, _BACK + _BEND, 66)[:-1]
+    wall = _BEND + (_TOP - _BEND) * np.linspace(0, 1, 40)[1:] ** 1.7
     y = np.concatenate([0 * floor, _BEND * (1 - np.cos(angle)), wall])
     z = np.concatenate([floor, _BACK + _BEND * (1 - np.sin(angle)), 0 * wall + _BACK])
     bent = np.concatenate([0 * floor, angle, 0 * wall + np.pi / 2])
@@ -22,7 +22,8 @@ def _profile():
 
 def build():
     y, z, up, forward = _profile()
-    x = np.linspace(-_WIDE, _WIDE, 81)
+    share = np.linspace(-1, 1, 101)
+    x = _WIDE * np.sign(share) * np.abs(share) ** 1.7
     rows, columns = len(y), len(x)
     points = np.stack([np.tile(x, rows), np.repeat(y, columns), np.repeat(z, columns)], axis=1)
     normals = np.stack([np.zeros(rows * columns), np.repeat(up, columns), np.repeat(forward, columns)], axis=1)
@@ -32,5 +33,5 @@ def build():
     # The lamp's light falls off with the distance from its middle, on the floor and up the wall.
     away = np.sqrt((points[:, 0] / 2.6) ** 2 + (points[:, 1] / 2.4) ** 2 + (points[:, 2] / 3.4) ** 2)
     part = Part("Cove", "Backdrop", points, normals, triangles)
-    part.colors = part.colors * (0.30 + 0.70 * np.exp(-0.5 * away**2))[:, None]
+    part.colors = part.colors * (0.40 + 0.60 * np.exp(-0.5 * away**2))[:, None]
     return [part]

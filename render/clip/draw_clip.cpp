@@ -84,7 +84,7 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, film::RenderWorke
     if (profiled) profiled->start();
     const int number = job.frames[open.index];
     const scenes::ClipFrame& frame = job.clip[std::size_t(number)];
-    const std::vector<draw::FrameState> shutter = film.shutter(frame, open.states);
+    const std::vector<draw::FrameState> shutter = film.shutter(frame, open);
     if (profiled) profiled->lap("pose");
     const std::uint64_t inputs = frame_inputs(shared, frame, shutter);
     const bool is_there = folder.has(number, inputs);

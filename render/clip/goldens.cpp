@@ -10,6 +10,7 @@
 #include "render/film/film.h"
 #include "render/program/command.h"
 #include "scenes/files/error.h"
+#include "scenes/load/default_stage.h"
 #include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 
@@ -55,6 +56,7 @@ struct Goldens::Set {
     if (!scene.stage)
       throw scenes::BadScene(fmt::format("{}: {} has no [stage], so there is nothing to draw",
                                          frame.source, frame.scene.string()));
+    scenes::complete_stage(scene, {}, render::stop_if_interrupted);
     return scene;
   }
 };

@@ -54,7 +54,8 @@ int merge_clip(const ClipJob& job, const program::Common& common) {
   std::vector<std::uint64_t> inputs(job.frames.size());
   ClipStates states(job, estimate);
   while (!parts.empty() && !states.done()) {
-    const auto [i, open] = states.next();
+    const scenes::ClipSimulation::Shutter open = states.next();
+    const std::size_t i = open.index;
     const scenes::ClipFrame& frame = job.clip[std::size_t(job.frames[i])];
     const std::vector<draw::FrameState> shutter = film::shutter_of(job.scene, frame, open);
     for (const DonePart& part : parts) {

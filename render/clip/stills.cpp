@@ -60,12 +60,12 @@ std::string make_stills(const Stills& stills, const scenes::Scene& scene, film::
                         const std::filesystem::path& out, const options::Provenance& provenance) {
   const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
   const auto draw_all = [&](const std::vector<int>& wanted, int shrink) {
-    const auto states = scenes::record(scene, frames, wanted, render::stop_if_interrupted);
+    const auto open = scenes::record(scene, frames, wanted, render::stop_if_interrupted);
     std::vector<picture::Picture> pictures;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       render::stop_if_interrupted();
       const scenes::ClipFrame& frame = frames[std::size_t(wanted[i])];
-      picture::Picture drawn = film.draw(frame, film.shutter(frame, states[i])).picture;
+      picture::Picture drawn = film.draw(frame, film.shutter(frame, open[i])).picture;
       pictures.push_back(shrink > 1 ? picture::shrunk(drawn, shrink) : std::move(drawn));
     }
     return pictures;

@@ -13,6 +13,7 @@ struct FrameState {
   Snapshot state;
   std::vector<std::vector<Pose>> bones;  // [character][bone], world space
   scenes::CameraView camera;
+  std::vector<scenes::TrailPoints> trails = {};  // of the stage; the frame's own instant has them
 };
 
 /// The parts of an instant to draw, and how.

@@ -4,6 +4,7 @@
 #include "render/film/card.h"
 #include "render/film/fingerprint.h"
 #include "render/film/matte.h"
+#include "render/film/trails.h"
 
 namespace taut::film {
 
@@ -22,12 +23,13 @@ draw::FrameState instant_of(const scenes::Scene& scene, const Snapshot& state) {
 }
 
 std::vector<draw::FrameState> shutter_of(const scenes::Scene& scene, const scenes::ClipFrame& frame,
-                                         std::span<const Snapshot> states) {
+                                         const scenes::ClipSimulation::Shutter& open) {
   std::vector<draw::FrameState> instants;
-  for (const Snapshot& state : states) {
+  for (const Snapshot& state : open.states) {
     instants.push_back(instant_of(scene, state));
     instants.back().camera = scenes::camera_at(frame.shot->camera, frame.time);
   }
+  instants[instants.size() / 2].trails = open.trails;
   return instants;
 }
 
@@ -78,6 +80,7 @@ Film::Frame Film::draw_stage(std::span<const draw::FrameState> shutter) {
   lap("resolve and tone map");
   Frame frame{canvas_.read(), exposures};
   lap("read back");
+  draw_trails(frame.picture, scene_.stage->trails, shutter[shutter.size() / 2]);
   return frame;
 }
 

@@ -8,6 +8,7 @@
 #include "render/gl/profile.h"
 #include "render/picture/text.h"
 #include "scenes/scene/clip.h"
+#include "scenes/scene/clip_simulation.h"
 
 namespace taut::film {
 
@@ -15,7 +16,7 @@ namespace taut::film {
 draw::FrameState instant_of(const scenes::Scene& scene, const Snapshot& state);
 /// The states that a frame of the clip shows, as it shows them.
 std::vector<draw::FrameState> shutter_of(const scenes::Scene& scene, const scenes::ClipFrame& frame,
-                                         std::span<const Snapshot> states);
+                                         const scenes::ClipSimulation::Shutter& open);
 
 /// A frame depends on its own instants alone, never on the frames drawn before.
 class Film {
@@ -33,8 +34,8 @@ class Film {
     int exposures;  // instants that it shows
   };
   std::vector<draw::FrameState> shutter(const scenes::ClipFrame& frame,
-                                        std::span<const Snapshot> states) const {
-    return shutter_of(scene_, frame, states);
+                                        const scenes::ClipSimulation::Shutter& open) const {
+    return shutter_of(scene_, frame, open);
   }
   Frame draw(const scenes::ClipFrame& frame, std::span<const draw::FrameState> shutter);
 

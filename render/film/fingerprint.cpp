@@ -68,9 +68,14 @@ std::uint64_t fingerprint(const scenes::Stage& stage) {
   for (const scenes::ConnectorLook& look : stage.connector_looks) {
     hash.number(look.kind).number(look.diameter);
     add(hash, look.color);
+    hash.number(look.knob);
   }
   for (const scenes::Caption& caption : stage.captions)
     hash.number(caption.from).number(caption.until).text(caption.text).text(caption.list);
+  for (const scenes::Trail& trail : stage.trails) {
+    hash.number(trail.lasts).number(trail.width);
+    add(hash, trail.color);
+  }
   for (const scenes::Card& card : {stage.title, stage.end}) hash.text(card.heading).text(card.text);
   return hash.value();
 }
@@ -84,6 +89,10 @@ std::uint64_t fingerprint(std::span<const draw::FrameState> shutter) {
     for (const Pose& body : instant.state.bodies) add(hash, body);
     for (const auto& bones : instant.bones)
       for (const Pose& bone : bones) add(hash, bone);
+    for (const scenes::TrailPoints& trail : instant.trails) {
+      for (const double age : trail.ages) hash.number(age);
+      for (const Vec3& place : trail.places) add(hash, place);
+    }
     add(hash, instant.camera.position);
     add(hash, instant.camera.target);
     hash.number(instant.camera.field_of_view)

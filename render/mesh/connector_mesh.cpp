@@ -26,6 +26,15 @@ std::optional<float> weight_radius(const Connector& connector, std::size_t parti
   return float(std::cbrt(3 * extra / (4 * std::numbers::pi * kSteel)));
 }
 
+/// The radius (m) of the ball at an end: of its weight, or of the knob where a path carries it.
+std::optional<float> ball_radius(const Connector& connector, const scenes::ConnectorLook& look,
+                                 std::size_t particle) {
+  for (const Hold& hold : connector.holds)
+    if (look.knob > 0 && hold.particle == particle && hold.to.kind == Attachment::Kind::path)
+      return float(look.knob / 2);
+  return weight_radius(connector, particle);
+}
+
 constexpr int kBallRows = 16;
 constexpr std::uint32_t kBallSides = 32;
 
@@ -93,7 +102,7 @@ class TubeMesh final : public ConnectorMesh {
     }
     add_grid(0, std::uint32_t(rings_ + 2), kSides, false, indices_);
     for (const std::size_t particle : {std::size_t(0), connector.particles() - 1}) {
-      const std::optional<float> radius = weight_radius(connector, particle);
+      const std::optional<float> radius = ball_radius(connector, look, particle);
       if (!radius) continue;
       const auto first = std::uint32_t(rest_.size());
       for (const std::uint32_t i : unit_ball().indices) indices_.push_back(first + i);

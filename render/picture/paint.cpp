@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <sstream>
+#include <utility>
 
 namespace taut::picture {
 
@@ -52,39 +53,48 @@ void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
     for (int x = part.x; x < part.right(); ++x) blend(picture.at(x, y));
 }
 
-void stroke(Picture& picture, std::span<const std::array<double, 2>> points, double width,
-            Rgb color, double opacity) {
-  const double reach = width / 2 + 1;
-  double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
-  for (const auto& p : points)
-    for (std::size_t k = 0; k < 2 && std::isfinite(p[0]) && std::isfinite(p[1]); ++k) {
-      low[k] = std::min(low[k], p[k] - reach);
-      high[k] = std::max(high[k], p[k] + reach);
+void ribbon(Picture& picture, std::span<const RibbonPoint> points, Rgb color) {
+  const auto is_finite = [](const RibbonPoint& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y);
+  };
+  double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9}, widest = 0;
+  for (const RibbonPoint& p : points) {
+    if (!is_finite(p)) continue;
+    widest = std::max(widest, p.width);
+    for (const auto& [k, value] : {std::pair(0, p.x), {1, p.y}}) {
+      low[k] = std::min(low[k], value);
+      high[k] = std::max(high[k], value);
     }
+  }
+  const double reach = widest / 2 + 1;
   const auto whole = [](double value, int most) {
     return int(std::clamp(value, 0.0, double(most)));
   };
-  const int left = whole(low[0], picture.width), right = whole(high[0] + 1, picture.width),
-            top = whole(low[1], picture.height), bottom = whole(high[1] + 1, picture.height);
+  const int left = whole(low[0] - reach, picture.width),
+            right = whole(high[0] + reach + 1, picture.width),
+            top = whole(low[1] - reach, picture.height),
+            bottom = whole(high[1] + reach + 1, picture.height);
   if (left >= right || top >= bottom) return;
   // The share of each pixel that any part of the line covers: where parts meet, none counts twice.
   std::vector<float> cover(std::size_t(right - left) * std::size_t(bottom - top));
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const auto &a = points[i], &b = points[i + 1];
-    if (!std::isfinite(a[0] + a[1] + b[0] + b[1])) continue;
-    const double dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
-    const int x0 = std::max(whole(std::min(a[0], b[0]) - reach, picture.width), left),
-              x1 = std::min(whole(std::max(a[0], b[0]) + reach + 1, picture.width), right),
-              y0 = std::max(whole(std::min(a[1], b[1]) - reach, picture.height), top),
-              y1 = std::min(whole(std::max(a[1], b[1]) + reach + 1, picture.height), bottom);
+    const RibbonPoint &a = points[i], &b = points[i + 1];
+    if (!is_finite(a) || !is_finite(b)) continue;
+    const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
+    const int x0 = std::max(whole(std::min(a.x, b.x) - reach, picture.width), left),
+              x1 = std::min(whole(std::max(a.x, b.x) + reach + 1, picture.width), right),
+              y0 = std::max(whole(std::min(a.y, b.y) - reach, picture.height), top),
+              y1 = std::min(whole(std::max(a.y, b.y) + reach + 1, picture.height), bottom);
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
-        const double px = x + 0.5 - a[0], py = y + 0.5 - a[1];
+        const double px = x + 0.5 - a.x, py = y + 0.5 - a.y;
         const double t = square > 0 ? std::clamp((px * dx + py * dy) / square, 0.0, 1.0) : 0;
+        const double width = std::lerp(a.width, b.width, t);
         const double share = width / 2 + 0.5 - std::hypot(px - t * dx, py - t * dy);
         float& there =
             cover[std::size_t(y - top) * std::size_t(right - left) + std::size_t(x - left)];
-        there = std::max(there, float(std::clamp(share, 0.0, std::min(width, 1.0))));
+        there = std::max(there, float(std::lerp(a.opacity, b.opacity, t) *
+                                      std::clamp(share, 0.0, std::min(width, 1.0))));
       }
   }
   for (int y = top; y < bottom; ++y)
@@ -94,10 +104,17 @@ void stroke(Picture& picture, std::span<const std::array<double, 2>> points, dou
       if (there <= 0) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         std::uint8_t& value = picture.at(x, y)[k];
-        value = std::uint8_t(
-            std::lround(std::lerp(double(value), double(color[k]), opacity * double(there))));
+        value =
+            std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), double(there))));
       }
     }
+}
+
+void stroke(Picture& picture, std::span<const std::array<double, 2>> points, double width,
+            Rgb color, double opacity) {
+  std::vector<RibbonPoint> even;
+  for (const auto& [x, y] : points) even.push_back({x, y, width, opacity});
+  ribbon(picture, even, color);
 }
 
 void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, double y,

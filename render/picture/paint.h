@@ -19,6 +19,14 @@ void fill(Picture& picture, const Rect& rect, Rgb color, double opacity = 1);
 void stroke(Picture& picture, std::span<const std::array<double, 2>> points, double width,
             Rgb color, double opacity = 1);
 
+/// A point of a ribbon: px from the upper left corner, px across, and how much of it covers.
+struct RibbonPoint {
+  double x, y, width, opacity;
+};
+/// Blends a line through points over the picture as stroke() does, its width and its opacity even
+/// between them; a point that is not finite breaks it.
+void ribbon(Picture& picture, std::span<const RibbonPoint> points, Rgb color);
+
 /// Blends a colour over the picture softly round a line of text, at most `opacity` of it and
 /// nothing farther than the letters' size away: pale letters over it are read on any ground.
 void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, double y,

@@ -48,10 +48,10 @@ picture::Picture Renderer::frame(double time, const std::function<void()>& tick)
   }
   const int frame = std::min(static_cast<int>(std::lround(time * scene_.fps)),
                              static_cast<int>(frames.size()) - 1);
-  const auto states = scenes::record(scene_, frames, {frame}, tick);
+  const auto open = scenes::record(scene_, frames, {frame}, tick);
   const scenes::ClipFrame& wanted = frames[static_cast<std::size_t>(frame)];
   return made(
-      [&](film::Film& film) { return film.draw(wanted, film.shutter(wanted, states[0])).picture; });
+      [&](film::Film& film) { return film.draw(wanted, film.shutter(wanted, open[0])).picture; });
 }
 
 picture::Picture Renderer::draw(const Snapshot& state) {
@@ -67,7 +67,7 @@ picture::Picture Renderer::draw(const Snapshot& state) {
   frame.shot = &shot;
   frame.time = state.time;
   return made([&](film::Film& film) {
-    return film.draw(frame, film.shutter(frame, {&state, 1})).picture;
+    return film.draw(frame, film.shutter(frame, {0, {state}})).picture;
   });
 }
 

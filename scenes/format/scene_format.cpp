@@ -79,7 +79,9 @@ const TableFormat& capsule_format() {
 
 const TableFormat& body_format() {
   static const TableFormat format{
-      {needed(positive("mass", "Of the body alone.", "kg")),
+      {positive("mass",
+                "Of the body alone; default, of one that stands or is driven: 1, of no account.",
+                "kg"),
        table("shape", "A solid of even density, centred on the body's origin.", shape_format()),
        {.name = "inertia",
         .type = Type::numbers,
@@ -90,6 +92,7 @@ const TableFormat& body_format() {
         .most = 6},
        vector("centre", "Centre of mass in the body's frame, with `inertia`; default: its origin."),
        table("driven_by", "What moves the body; without it the body is free.", driver_format()),
+       vector("fixed", "Where the body's origin stands for good.", "m"),
        vector("grip", "Point of a driven body that the path carries; default: its origin."),
        vector("hangs", "The body hangs from its connector's end in this direction.", ""),
        vector("position", "Of the body's origin at the start."),
@@ -105,7 +108,7 @@ const TableFormat& body_format() {
         .type = Type::file,
         .meaning = "A glTF, GLB or OBJ model in the body's frame; default: its shape."},
        color("color", "Linear colour of the shape, where no mesh is named.")},
-      {{{"shape", "inertia"}}, {{"driven_by", "hangs", "position"}}}};
+      {{{"shape", "inertia"}}, {{"driven_by", "fixed", "hangs", "position"}}}};
   return format;
 }
 

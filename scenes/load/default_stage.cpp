@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "scenes/format/document.h"
 #include "scenes/load/load_scene.h"
+#include "scenes/scene/obstacle_model.h"
 #include "scenes/scene/shapes.h"
 #include "sim/motion/stop.h"
 
@@ -22,7 +24,8 @@ constexpr double kRunaway = 10;       // times the size at the start: farther of
 constexpr double kSmallest = 0.05;    // m, half of what is framed
 constexpr double kHead = 0.15;        // m, of a character around its bones
 constexpr double kPin = 2.5;  // diameters of its connector, of a ball that shows a fixed end
-constexpr std::size_t kMostPins = 100;
+constexpr std::size_t kMostPins = 200;  // and rods
+constexpr double kWall = 1.5;           // times the camera's distance, of the wall around all
 /// Of the simulation that finds what to frame, as Counters::cycles has it: a few seconds.
 constexpr double kMostCycles = 1e10;
 constexpr std::uint64_t kMostChecks = 20'000'000;  // calls of check_stop(), within frames too
@@ -200,32 +203,101 @@ CameraKey framing(const std::vector<Vec3>& points, double aspect) {
   return key;
 }
 
-/// A disc whose top is at `height`, wide enough that the camera sees no near edge.
-std::shared_ptr<const Model> ground_at(double height, const CameraKey& camera) {
-  const double radius = 20 * (camera.position - camera.target).norm(), thickness = radius / 1000;
-  Model disc = cylinder_model(thickness, 2 * radius, Vec3(0.20, 0.20, 0.21));
-  disc.name = "ground";
-  disc.materials.front().roughness = 0.9F;
-  const Vec3 to(camera.target.x(), height - thickness / 2, camera.target.z());
-  for (Vertex& vertex : disc.meshes.front().vertices)
+void move(Model& model, const Vec3& by) {
+  for (Vertex& vertex : model.meshes.front().vertices)
     for (std::size_t k = 0; k < 3; ++k)
-      vertex.position[k] += static_cast<float>(to[static_cast<Eigen::Index>(k)]);
-  return std::make_shared<const Model>(std::move(disc));
+      vertex.position[k] += static_cast<float>(by[static_cast<Eigen::Index>(k)]);
 }
 
-/// A steel ball at each fixed point that holds a connector.
-std::vector<std::shared_ptr<const Model>> pins_of(const Scene& scene) {
+double wall_distance(const CameraKey& camera) {
+  return kWall * (camera.position - camera.target).norm();
+}
+
+/// A round cove about the camera and what it looks at: a floor at `height` that bends up into a
+/// wall, darker where it is farther from the middle, so that nothing of it has an edge.
+std::shared_ptr<const Model> cove_at(double height, const CameraKey& camera) {
+  constexpr int kSides = 96, kFloor = 28, kBend = 20, kWallRows = 6;
+  const double distance = (camera.position - camera.target).norm();
+  const double wall = wall_distance(camera), bend = 0.35 * wall;
+  const double lit = 1.4 * std::tan(camera.field_of_view / 2) * distance;  // m, half of its width
+  const Vec3 middle(camera.target.x(), height, camera.target.z());
+  Mesh mesh;
+  mesh.name = "cove";
+  const auto row = [&](double out, double up, double normal_angle) {
+    for (int side = 0; side <= kSides; ++side) {
+      const double angle = 2 * std::numbers::pi * (side % kSides) / kSides;
+      const Vec3 away(std::cos(angle), 0, -std::sin(angle));
+      const std::uint32_t here =
+          add_vertex(mesh, middle + out * away + up * Vec3::UnitY(),
+                     std::cos(normal_angle) * Vec3::UnitY() - std::sin(normal_angle) * away);
+      const double far = std::hypot(out / (1.6 * lit), up / (1.5 * lit));
+      mesh.vertices[here].color.fill(static_cast<float>(0.55 + 0.45 * std::exp(-far * far / 2)));
+      constexpr std::uint32_t kRow = kSides + 1;
+      if (side > 0 && here >= kRow) add_quad(mesh, here - kRow - 1, here - 1, here, here - kRow);
+    }
+  };
+  for (int i = 0; i < kFloor; ++i) row((wall - bend) * std::pow(double(i) / kFloor, 1.6), 0, 0);
+  for (int i = 0; i <= kBend; ++i) {
+    const double angle = std::numbers::pi / 2 * i / kBend;
+    row(wall - bend + bend * std::sin(angle), bend * (1 - std::cos(angle)), angle);
+  }
+  for (int i = 1; i <= kWallRows; ++i)
+    row(wall, bend + (wall - bend) * i / kWallRows, std::numbers::pi / 2);
+  Model model;
+  model.name = "cove";
+  model.materials.push_back(
+      {.name = "Backdrop", .base_color = {0.170F, 0.205F, 0.240F}, .roughness = 0.9F});
+  model.meshes.push_back(std::move(mesh));
+  return std::make_shared<const Model>(std::move(model));
+}
+
+/// The way of a light that comes over the right shoulder of whoever looks.
+Vec3 over_the_shoulder(const CameraKey& camera) {
+  Vec3 ahead = camera.target - camera.position;
+  ahead.y() = 0;
+  ahead.normalize();
+  return 0.55 * ahead - 0.45 * ahead.cross(Vec3::UnitY()) - 0.75 * Vec3::UnitY();
+}
+
+/// How high the floor is (m): just over a level plane, which it hides, or below all points.
+double floor_of(const Scene& scene, const std::vector<Vec3>& points, double size) {
+  constexpr double kOver = 1e-4;  // of the size
+  double thickest = 0;
+  for (const ConnectorLook& look : scene.stage->connector_looks)
+    thickest = std::max(thickest, look.diameter);
+  double lowest = std::ranges::min(points, {}, [](const Vec3& p) { return p.y(); }).y();
+  lowest -= thickest / 2;
+  for (const Obstacle& o : scene.world.obstacles)
+    if (o.shape.kind == Shape::Kind::plane && !o.path &&
+        (o.place.rotation * Vec3::UnitY()).y() > 1 - 1e-9)
+      lowest = o.place.position.y() + kOver * size;
+  return lowest;
+}
+
+/// A steel ball at each fixed point that holds a connector. It hangs on a rod from above the
+/// picture or, where something gets higher than that, sits on one from the wall behind it.
+std::vector<std::shared_ptr<const Model>> pins_of(const Scene& scene, const CameraKey& camera,
+                                                  double highest, double size) {
+  constexpr double kHigher = 0.08;  // of the size
   std::vector<std::shared_ptr<const Model>> pins;
+  const Vec3 steel(0.10, 0.10, 0.11);
+  Vec3 back = camera.target - camera.position;
+  back.y() = 0;
+  back = Eigen::AngleAxisd(kAside, Vec3::UnitY()) * back.normalized();
   for (std::size_t c = 0; c < scene.world.connectors.size(); ++c) {
+    const double thick = kPin * scene.stage->connector_looks.at(c).diameter;
     for (const Hold& hold : scene.world.connectors[c].holds) {
       if (hold.to.kind != Attachment::Kind::fixed) continue;
-      Model ball =
-          sphere_model(kPin * scene.stage->connector_looks.at(c).diameter, Vec3(0.10, 0.10, 0.11));
+      const bool hangs = highest < hold.to.point.y() + kHigher * size;
+      const Vec3 way = hangs ? Vec3(Vec3::UnitY()) : back;
+      const double length = hangs ? size : wall_distance(camera);
+      Model ball = sphere_model(thick, steel);
       ball.name = "pin";
-      for (Vertex& vertex : ball.meshes.front().vertices)
-        for (std::size_t k = 0; k < 3; ++k)
-          vertex.position[k] += static_cast<float>(hold.to.point[static_cast<Eigen::Index>(k)]);
+      move(ball, hold.to.point);
       pins.push_back(std::make_shared<const Model>(std::move(ball)));
+      pins.push_back(std::make_shared<const Model>(obstacle_model(
+          {.kind = Shape::Kind::cylinder, .radius = thick / 4, .length = length}, 0,
+          {hold.to.point + length / 2 * way, Quat::FromTwoVectors(Vec3::UnitY(), way)}, steel)));
     }
   }
   return pins;
@@ -239,7 +311,7 @@ double thickness_of(const Connector& connector, ConnectorLook::Kind kind, double
   const double line = connector.length > 0 ? connector.mass / connector.length : 0;
   double diameter = std::sqrt(4 * line / (std::numbers::pi * (chain ? kSteel : kFibre)));
   if (chain) diameter *= 2.5;  // of a link against its wire
-  return std::clamp(diameter, 0.01 * size, 0.03 * size);
+  return std::clamp(diameter, 0.014 * size, 0.03 * size);
 }
 
 /// The looks of connectors that the file says nothing of: copies and parts that cuts make are like
@@ -299,6 +371,99 @@ std::vector<Outline> outlines(const Scene& scene, const Snapshot& state) {
   return all;
 }
 
+namespace {
+
+/// Where a followed thing goes, frame by frame, as somebody who leads a camera sees it: evened out.
+class Way {
+ public:
+  Way(const World& world, const std::string& name) {
+    const auto named = [&](const auto& things) {
+      return static_cast<std::size_t>(
+          std::ranges::find(things, name, [](const auto& t) { return t.name; }) - things.begin());
+    };
+    body_ = named(world.bodies);
+    connector_ = named(world.connectors);
+    is_body_ = body_ < world.bodies.size();
+  }
+
+  void add(const Snapshot& state) {
+    if (is_body_) return places_.push_back(state.bodies[body_].position);
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& p : state.connectors[connector_]) sum += p;
+    places_.push_back(sum / double(state.connectors[connector_].size()));
+  }
+
+  Vec3 at(double frame) const {
+    if (places_.empty()) return Vec3::Zero();
+    const double last = double(places_.size() - 1), held = std::clamp(frame, 0.0, last);
+    const auto i = static_cast<std::size_t>(held);
+    const Vec3& next = places_[std::min(i + 1, places_.size() - 1)];
+    return places_[i] + (held - double(i)) * (next - places_[i]);
+  }
+
+  /// The mean around that frame, the nearer the heavier.
+  Vec3 smooth(double frame, double frames) const {
+    constexpr int kHalf = 6;
+    Vec3 sum = Vec3::Zero();
+    for (int k = 1 - kHalf; k < kHalf; ++k)
+      sum += (kHalf - std::abs(k)) * at(frame + k * frames / kHalf);
+    return sum / (kHalf * kHalf);
+  }
+
+ private:
+  std::size_t body_ = 0, connector_ = 0;
+  bool is_body_ = false;
+  std::vector<Vec3> places_;
+};
+
+/// Gives cameras that follow something keys that do not.
+void resolve_follow(Scene& scene, const std::function<void()>& tick) {
+  constexpr double kEven = 0.2;        // s, on both sides
+  constexpr double kApart = 1 / 15.0;  // s, between keys
+  std::map<std::string, Way> ways;
+  const auto note = [&](const std::vector<CameraKey>& keys) {
+    if (!keys.empty() && !keys[0].follow.empty())
+      ways.try_emplace(keys[0].follow, scene.world, keys[0].follow);
+  };
+  note(scene.stage->camera);
+  for (const Shot& shot : scene.stage->shots) note(shot.camera);
+  if (ways.empty()) return;
+
+  Simulation simulation = start(scene);
+  try {
+    for (int frame = 0; frame < scene.frames(); ++frame) {
+      tick();
+      simulation.advance_to(static_cast<double>(frame) / scene.fps);
+      const Snapshot state = simulation.state();
+      for (auto& [name, way] : ways) way.add(state);
+    }
+  } catch (const Diverged&) {  // the clip ends there, too
+  }
+  const auto resolve = [&](std::vector<CameraKey>& keys, double from, double until) {
+    if (keys.empty() || keys[0].follow.empty()) return;
+    const Way& way = ways.at(keys[0].follow);
+    std::vector<CameraKey> found;
+    const int count = static_cast<int>(std::ceil((until - from) / kApart));
+    for (int k = -1; k <= count + 1; ++k) {
+      const double time = from + k * kApart;
+      const Vec3 by = way.smooth(time * scene.fps, kEven * scene.fps);
+      const CameraView view = camera_at(keys, time);
+      CameraKey& key = found.emplace_back();
+      key.time = time;
+      key.target = view.target + by;
+      key.position = view.position + (keys[0].orbit ? by : Vec3(Vec3::Zero()));
+      key.field_of_view = view.field_of_view;
+      key.relative_aperture = view.relative_aperture;
+      if (keys[0].focus) key.focus = view.focus;
+    }
+    keys = std::move(found);
+  };
+  resolve(scene.stage->camera, 0, scene.duration);
+  for (Shot& shot : scene.stage->shots) resolve(shot.camera, shot.from, shot.until);
+}
+
+}  // namespace
+
 std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
                            const std::function<void()>& tick) {
   if (!scene.stage) {
@@ -309,6 +474,7 @@ std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes
     scene.stage->background = Vec3(0.62, 0.66, 0.70);
     scene.performances = std::move(read.performances);
   }
+  resolve_follow(scene, tick);
   Stage& stage = *scene.stage;
   Document document = read_document(scene.file);
   for (const auto& [key, value] : changes) change(document, key, value);
@@ -324,6 +490,7 @@ std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes
   }
   if (points.empty()) return left_out;
   const CameraKey camera = framing(points, static_cast<double>(scene.width) / scene.height);
+  if (!written || !written->find("light")) stage.light.direction = over_the_shoulder(camera);
   const Value* shots = written ? written->find("shots") : nullptr;
   stage.camera = {camera};
   for (std::size_t i = 0; i < stage.shots.size(); ++i)
@@ -333,15 +500,10 @@ std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes
   find_looks(document, scene, size);
   give_boxes(scene);
   if (written && written->find("scenery")) return left_out;
-  const auto is_plane = [](const Obstacle& o) { return o.shape.kind == Shape::Kind::plane; };
-  if (std::ranges::none_of(scene.world.obstacles, is_plane)) {
-    double thickest = 0;
-    for (const ConnectorLook& look : stage.connector_looks)
-      thickest = std::max(thickest, look.diameter);
-    const double lowest = std::ranges::min(points, {}, [](const Vec3& p) { return p.y(); }).y();
-    stage.scenery.push_back(ground_at(lowest - thickest / 2, camera));
-  }
-  const auto pins = pins_of(scene);
+  stage.scenery.push_back(cove_at(floor_of(scene, points, size), camera));
+  for (ConnectorLook& look : stage.connector_looks) look.knob = kPin * look.diameter;
+  const double highest = std::ranges::max(points, {}, [](const Vec3& p) { return p.y(); }).y();
+  const auto pins = pins_of(scene, camera, highest, size);
   if (pins.size() <= kMostPins) stage.scenery.insert(stage.scenery.end(), pins.begin(), pins.end());
   return left_out;
 }

@@ -11,9 +11,10 @@ namespace taut::scenes {
 
 /// Gives a scene that was read with its stage what its file leaves open: all of a stage; a camera
 /// that has in its picture, over the whole clip, what moves; where no camera is written also a
-/// ground at the lowest point, looks by what connectors weigh, and boxes for bodies without a
-/// shape. A simulation of the scene finds all this and calls `tick` now and then; where a camera is
-/// written nothing is done. The simulation ends early where it takes much work, counted so that
+/// cove whose floor is at the lowest point, looks by what connectors weigh, and boxes for bodies
+/// without a shape. Cameras that follow something get keys that lead there. A simulation of the
+/// scene finds all this and calls `tick` now and then; where a camera is written that follows
+/// nothing, nothing is done. The simulation ends early where it takes much work, counted so that
 /// every machine has the same camera: returns a sentence about what was left out, or nothing.
 /// `changes` are those that the scene was read with. Throws BadScene.
 std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes,

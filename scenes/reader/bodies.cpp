@@ -79,7 +79,12 @@ std::shared_ptr<const Path> read_driver(const Document& document, const Value& d
 Body read_body(const Document& document, const Value& value, Motions& motions) {
   Body body;
   body.name = value.name;
-  const double mass = value.find("mass")->number;
+  const Value *driver = value.find("driven_by"), *fixed = value.find("fixed");
+  const bool driven = driver || fixed;
+  if (!driven && !value.find("mass")) {
+    document.fail(value, "mass is missing, expected a number above 0 (kg)");
+  }
+  const double mass = number_or(value, "mass", 1);
   const Value* shape = value.find("shape");
   body.mass_properties = shape ? read_shape(*shape, mass) : read_inertia(document, value, mass);
   const auto only_with = [&](const char* key, bool allowed, const char* other) {
@@ -87,12 +92,12 @@ Body read_body(const Document& document, const Value& value, Motions& motions) {
     if (member && !allowed) document.fail_at_key(*member, fmt::format("needs {}", other));
   };
   only_with("centre", !shape, "inertia, a shape has its own centre");
-  const Value* driver = value.find("driven_by");
   only_with("grip", driver, "driven_by");
-  only_with("rotation", value.find("position"), "position");
-  only_with("velocity", !driver, "a free body, without driven_by");
-  only_with("spin", !driver, "a free body, without driven_by");
-  only_with("contact", !driver, "a free body, without driven_by: an obstacle may be carried by it");
+  only_with("rotation", value.find("position") || fixed, "position or fixed");
+  only_with("velocity", !driven, "a free body, without driven_by or fixed");
+  only_with("spin", !driven, "a free body, without driven_by or fixed");
+  only_with("contact", !driven,
+            "a free body, without driven_by or fixed: an obstacle may be carried by it");
 
   if (const Value* contact = value.find("contact")) {
     body.capsule = read_capsule(document, *contact, shape);
@@ -100,19 +105,28 @@ Body read_body(const Document& document, const Value& value, Motions& motions) {
   body.grip = vec3_or(value, "grip", Vec3::Zero());
   body.velocity = vec3_or(value, "velocity", Vec3::Zero());
   body.spin = vec3_or(value, "spin", Vec3::Zero());
-  if (driver) {
-    body.path = read_driver(document, *driver, motions);
+  const Value* turn = value.find("rotation");
+  if (driven) {
+    const Quat turned = turn ? rotation(document, *turn) : Quat::Identity();
+    body.path =
+        driver
+            ? read_driver(document, *driver, motions)
+            : std::make_shared<const Path>(std::vector<PathKey>{{0, fixed->vec3(), turned, false}});
     const Pose frame = driven_frame(body, 0).pose();
     body.position = frame.to_world(body.mass_properties.centre);
     body.rotation = frame.rotation;
   } else if (const Value* position = value.find("position")) {
-    if (const Value* turn = value.find("rotation")) body.rotation = rotation(document, *turn);
+    if (turn) body.rotation = rotation(document, *turn);
     body.position = position->vec3() + body.rotation * body.mass_properties.centre;
   }
   return body;
 }
 
 }  // namespace
+
+bool is_driven(const Value& body) {
+  return body.find("driven_by") || body.find("fixed");
+}
 
 std::vector<Body> read_bodies(const Document& document, Motions& motions) {
   std::vector<Body> bodies;

@@ -95,7 +95,7 @@ class Ignored {
       const Value* table = document.root.find(kind);
       for (std::size_t i = 0; table && i < table->children.size(); ++i) {
         const Value& value = table->children[i];
-        if (!value.find("driven_by")) names.push_back(value.name);
+        if (!is_driven(value)) names.push_back(value.name);
       }
     }
     return names;

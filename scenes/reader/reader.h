@@ -28,6 +28,8 @@ void refuse_unfollowed(const Document& document, const Scene& scene);
 /// Fails where a connector that is curved at rest may leave the plane across that.
 void check_curvatures(const Document& document, const World& world, const Timeline& timeline);
 
+/// Whether the value of a body says where it always is.
+bool is_driven(const Value& body);
 /// Bodies with their masses; those that hang have no place yet.
 std::vector<Body> read_bodies(const Document& document, Motions& motions);
 /// Connectors with their shapes; places the bodies that hang.

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "scenes/model/load_model.h"
@@ -59,6 +61,17 @@ class Models {
   std::map<std::vector<double>, ModelPointer> shapes_;
 };
 
+/// Fails where neither a body nor a connector has that name.
+void check_followed(const Document& document, const Value& name) {
+  std::vector<std::string_view> names;
+  for (const char* kind : {"bodies", "connectors"}) {
+    const Value* table = document.root.find(kind);
+    for (std::size_t i = 0; table && i < table->children.size(); ++i)
+      names.push_back(table->children[i].name);
+  }
+  Names(std::move(names)).index_of(document, name, "body or connector");
+}
+
 std::vector<CameraKey> read_camera(const Document& document, const Value& list) {
   std::vector<CameraKey> keys;
   for (const Value& entry : list.children) {
@@ -67,8 +80,23 @@ std::vector<CameraKey> read_camera(const Document& document, const Value& list) 
       document.mismatch(
           time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
     }
-    CameraKey key{time.number, entry.find("position")->vec3(), entry.find("target")->vec3()};
-    if ((key.target - key.position).isZero()) {
+    CameraKey key{.time = time.number, .target = entry.find("target")->vec3()};
+    key.follow = text_or(entry, "follow", "");
+    if (!keys.empty() && key.follow != keys.back().follow) {
+      const Value* named = entry.find("follow");
+      document.fail(named ? *named : entry,
+                    fmt::format("all keys of a camera follow the same, the one before it {}",
+                                keys.back().follow.empty() ? "nothing" : keys.back().follow));
+    }
+    if (const Value* followed = entry.find("follow")) check_followed(document, *followed);
+    if (const Value* orbit = entry.find("orbit")) {
+      key.orbit = Vec3(number_or(*orbit, "azimuth", 0), number_or(*orbit, "elevation", 0),
+                       orbit->find("distance")->number);
+      key.position = key.target + on_orbit(*key.orbit);
+    } else {
+      key.position = entry.find("position")->vec3();
+    }
+    if (key.follow.empty() && (key.target - key.position).isZero()) {
       document.mismatch(*entry.find("target"), "a point other than the camera's position");
     }
     key.field_of_view = number_or(entry, "field_of_view", key.field_of_view);
@@ -135,6 +163,40 @@ std::vector<Caption> read_captions(const Document& document, const Value& list) 
     }
   }
   return captions;
+}
+
+/// Of a world whose bodies and connectors begin with those of the document, in its order.
+std::vector<Trail> read_trails(const Document& document, const Value& list, const World& world) {
+  const Names bodies(document.root.find("bodies"));
+  std::vector<std::string_view> names;
+  for (const Connector& connector : world.connectors) names.push_back(connector.name);
+  const Names connectors(std::move(names));
+  std::vector<Trail> trails;
+  for (const Value& entry : list.children) {
+    Trail trail;
+    if (const Value* body = entry.find("body")) {
+      trail.index = bodies.index_of(document, *body, "body");
+      trail.point = vec3_or(entry, "point", Vec3::Zero());
+    } else {
+      trail.connector = true;
+      trail.index = connectors.index_of(document, *entry.find("connector"), "connector");
+      const Connector& connector = world.connectors[trail.index];
+      const double at = number_or(entry, "at", connector.length);
+      if (at > connector.length * (1 + kRounding)) {
+        document.mismatch(*entry.find("at"),
+                          fmt::format("at most the connector's length, {} m", connector.length));
+      }
+      const auto links = double(connector.particles() - 1);
+      trail.particle = connector.length > 0
+                           ? std::size_t(std::lround(std::min(at / connector.length, 1.0) * links))
+                           : 0;
+    }
+    trail.lasts = number_or(entry, "lasts", trail.lasts);
+    trail.width = number_or(entry, "width", trail.width);
+    trail.color = vec3_or(entry, "color", trail.color);
+    trails.push_back(trail);
+  }
+  return trails;
 }
 
 ModelPointer make_shape(const Value& body, const Value& shape) {
@@ -208,6 +270,9 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   stage.background = vec3_or(value, "background", kBackground);
   if (const Value* captions = value.find("captions")) {
     stage.captions = read_captions(document, *captions);
+  }
+  if (const Value* trails = value.find("trails")) {
+    stage.trails = read_trails(document, *trails, scene.world);
   }
   for_each(value.find("scenery"),
            [&](const Value& file) { stage.scenery.push_back(models.get(file)); });

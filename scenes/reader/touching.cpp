@@ -30,7 +30,7 @@ std::set<Pair> ignored_pairs(const Document& document, const Names& names) {
     for (const Value& name : ignores->children) {
       const std::size_t other = names.index_of(document, name, "body");
       if (other == b) document.mismatch(name, "another body");
-      if (bodies->children[other].find("driven_by")) {
+      if (is_driven(bodies->children[other])) {
         document.mismatch(name, "a free body: obstacles have `ignores` of their own");
       }
       pairs.insert(std::minmax(b, other));

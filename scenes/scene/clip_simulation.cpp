@@ -1,11 +1,31 @@
 #include "scenes/scene/clip_simulation.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 #include "scenes/scene/exposure.h"
 
 namespace taut::scenes {
+
+namespace {
+
+/// Where the points are that leave the stage's trails; not finite where there is none.
+std::vector<Vec3> trail_heads(const Scene& scene, const Snapshot& state) {
+  std::vector<Vec3> heads;
+  for (const Trail& trail : scene.stage->trails) {
+    Vec3& head = heads.emplace_back(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    if (!trail.connector) {
+      head = state.bodies.at(trail.index).to_world(trail.point);
+    } else if (const auto& particles = state.connectors.at(trail.index);
+               trail.particle < particles.size()) {  // or a cut has taken it away
+      head = particles[trail.particle];
+    }
+  }
+  return heads;
+}
+
+}  // namespace
 
 // The simulation stops for every frame of the clip: methods that choose their steps would go
 // another way without the stops.
@@ -16,6 +36,9 @@ ClipSimulation::ClipSimulation(const Scene& scene, const std::vector<ClipFrame>&
       watch_(std::move(watch)),
       stops_(shown_times(scene, frames)),
       simulation_(start(scene)) {
+  if (scene.stage)
+    for (const Trail& trail : scene.stage->trails)
+      longest_trail_ = std::max(longest_trail_, trail.lasts);
   order_.reserve(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const ClipFrame& frame = frames[std::size_t(wanted[i])];
@@ -34,24 +57,47 @@ ClipSimulation::Shutter ClipSimulation::next() {
     const double time = stops_[stop_++];
     simulation_.advance_to(time);
     if (watch_) watch_(simulation_);
+    if (longest_trail_ > 0)
+      ways_.emplace_hint(ways_.end(), time, trail_heads(scene_, simulation_.state()));
     if (time >= times.front()) states_.emplace_hint(states_.end(), time, simulation_.state());
   }
-  Shutter shutter{wanted.index, {}};
+  Shutter shutter{wanted.index, {}, trails(*wanted.frame)};
   for (const double time : times) shutter.states.push_back(states_.at(time));
   ++next_;
   return shutter;
 }
 
-std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,
-                                          const std::vector<int>& wanted,
-                                          const ClipSimulation::Tick& tick) {
+std::vector<TrailPoints> ClipSimulation::trails(const ClipFrame& frame) {
+  std::vector<TrailPoints> all;
+  if (longest_trail_ <= 0) return all;
+  constexpr double kRounding = 1e-9;  // s
+  const double now = frame.time + kRounding;
+  // A later frame's shutter opens half a frame's time before it, at most.
+  const double oldest = now - longest_trail_ - std::max(frame.rate, 0.0) / scene_.fps;
+  ways_.erase(ways_.begin(), ways_.lower_bound(oldest));
+  for (std::size_t i = 0; i < scene_.stage->trails.size(); ++i) {
+    const double from =
+        std::max(frame.time - scene_.stage->trails[i].lasts, frame.shot->from) - kRounding;
+    TrailPoints& points = all.emplace_back();
+    for (auto way = ways_.lower_bound(from); way != ways_.end() && way->first <= now; ++way) {
+      points.ages.push_back(std::max(frame.time - way->first, 0.0));
+      points.places.push_back(way->second[i]);
+    }
+  }
+  return all;
+}
+
+std::vector<ClipSimulation::Shutter> record(const Scene& scene,
+                                            const std::vector<ClipFrame>& frames,
+                                            const std::vector<int>& wanted,
+                                            const ClipSimulation::Tick& tick) {
   ClipSimulation simulation(scene, frames, wanted, tick);
-  std::vector<std::vector<Snapshot>> states(wanted.size());
+  std::vector<ClipSimulation::Shutter> all(wanted.size());
   while (!simulation.done()) {
     ClipSimulation::Shutter shutter = simulation.next();
-    states[shutter.index] = std::move(shutter.states);
+    all[shutter.index] = std::move(shutter);
   }
-  return states;
+  return all;
 }
 
 }  // namespace taut::scenes

@@ -27,11 +27,14 @@ class ClipSimulation {
   struct Shutter {
     std::size_t index = 0;         // of the frame in `wanted`
     std::vector<Snapshot> states;  // that it shows while its shutter is open, their times rising
+    std::vector<TrailPoints> trails = {};  // of the stage, until the frame's time
   };
   /// Unless done. Throws as Simulation::advance_to() does.
   Shutter next();
 
  private:
+  std::vector<TrailPoints> trails(const ClipFrame& frame);
+
   struct Wanted {
     double opens;  // s, of the frame's first state
     std::size_t index;
@@ -47,11 +50,14 @@ class ClipSimulation {
   std::size_t stop_ = 0;       // the next of them
   Simulation simulation_;
   std::map<double, Snapshot> states_;  // by time: those that this shutter or a later one shows
+  std::map<double, std::vector<Vec3>> ways_;  // by time: where the points are that leave trails
+  double longest_trail_ = 0;                  // s
 };
 
-/// The states of all wanted frames at once, in the order of `wanted`.
-std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,
-                                          const std::vector<int>& wanted,
-                                          const ClipSimulation::Tick& tick);
+/// What all wanted frames show at once, in the order of `wanted`.
+std::vector<ClipSimulation::Shutter> record(const Scene& scene,
+                                            const std::vector<ClipFrame>& frames,
+                                            const std::vector<int>& wanted,
+                                            const ClipSimulation::Tick& tick);
 
 }  // namespace taut::scenes

@@ -1,6 +1,8 @@
 #include "scenes/scene/stage.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 namespace taut::scenes {
 
@@ -11,7 +13,7 @@ constexpr double kNearest = 0.05;  // m, of the focus
 /// The rate of change of a key's `member` through its neighbours, zero at the first and the last,
 /// so that the camera starts and stops gently.
 template <typename Member>
-auto rate(const std::vector<CameraKey>& keys, std::size_t i, Member member) {
+auto rate(std::span<const CameraKey> keys, std::size_t i, Member member) {
   const auto at = [&](std::size_t k) { return std::invoke(member, keys[k]); };
   using Value = std::decay_t<decltype(at(0))>;
   if (i == 0 || i + 1 == keys.size()) return Value(at(i) * 0.0);
@@ -20,7 +22,7 @@ auto rate(const std::vector<CameraKey>& keys, std::size_t i, Member member) {
 
 /// The cubic through keys i and i + 1 with those rates, at the share `u` of the way.
 template <typename Member>
-auto between(const std::vector<CameraKey>& keys, std::size_t i, double u, Member member) {
+auto between(std::span<const CameraKey> keys, std::size_t i, double u, Member member) {
   const double dt = keys[i + 1].time - keys[i].time, v = 1 - u;
   const auto a = std::invoke(member, keys[i]), b = std::invoke(member, keys[i + 1]);
   using Value = std::decay_t<decltype(a)>;
@@ -32,7 +34,24 @@ double focus_of(const CameraKey& key) {
   return key.focus.value_or((key.target - key.position).norm());
 }
 
+/// The keys about i and i + 1 that all have an orbit, and the place of i among them; none where
+/// one of these two has none.
+std::pair<std::span<const CameraKey>, std::size_t> orbit_around(std::span<const CameraKey> keys,
+                                                                std::size_t i) {
+  if (!keys[i].orbit || !keys[i + 1].orbit) return {};
+  std::size_t first = i, end = i + 2;
+  while (first > 0 && keys[first - 1].orbit) --first;
+  while (end < keys.size() && keys[end].orbit) ++end;
+  return {keys.subspan(first, end - first), i - first};
+}
+
 }  // namespace
+
+Vec3 on_orbit(const Vec3& orbit) {
+  const double level = orbit.z() * std::cos(orbit.y());
+  return {level * std::sin(orbit.x()), orbit.z() * std::sin(orbit.y()),
+          level * std::cos(orbit.x())};
+}
 
 CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
   const auto after = std::ranges::upper_bound(keys, time, {}, &CameraKey::time);
@@ -43,10 +62,16 @@ CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
   }
   const std::size_t i = next - 1;
   const double u = (time - keys[i].time) / (keys[next].time - keys[i].time);
-  return {between(keys, i, u, &CameraKey::position), between(keys, i, u, &CameraKey::target),
-          between(keys, i, u, &CameraKey::field_of_view),
-          std::max(between(keys, i, u, &CameraKey::relative_aperture), 0.0),
-          std::max(between(keys, i, u, focus_of), kNearest)};
+  const std::span<const CameraKey> all = keys;
+  CameraView view{between(all, i, u, &CameraKey::position), between(all, i, u, &CameraKey::target),
+                  between(all, i, u, &CameraKey::field_of_view),
+                  std::max(between(all, i, u, &CameraKey::relative_aperture), 0.0),
+                  std::max(between(all, i, u, focus_of), kNearest)};
+  if (const auto [round, at] = orbit_around(all, i); !round.empty())
+    view.position =
+        view.target +
+        on_orbit(between(round, at, u, [](const CameraKey& key) { return *key.orbit; }));
+  return view;
 }
 
 std::vector<std::string> left_out(const Stage& stage) {

@@ -19,7 +19,16 @@ struct CameraKey {
   double field_of_view = 0.6;    // vertical, rad
   double relative_aperture = 0;  // the lens's opening in focal lengths, 1/f-number; 0: a pinhole
   std::optional<double> focus = {};  // m along the view, where it is sharp; default: at the target
+  /// Azimuth (rad, from +z towards +x), elevation (rad) and distance (m) of the position, seen from
+  /// the target. Between two keys that have it the camera goes round the target.
+  std::optional<Vec3> orbit = {};
+  /// The body or connector that the target is relative to, and with an orbit the position, too;
+  /// until complete_stage() has found where that goes. Empty: none.
+  std::string follow = {};
 };
+
+/// From the target to a camera on that orbit (azimuth, elevation, distance).
+Vec3 on_orbit(const Vec3& orbit);
 
 struct CameraView {
   Vec3 position, target;
@@ -30,9 +39,9 @@ struct CameraView {
 
 struct Light {
   Vec3 direction = Vec3(-0.75, -1.1, -0.18);  // the way the light travels
-  Vec3 color = Vec3(6.8, 5.3, 3.8);           // linear radiance of the key light
-  Vec3 sky = Vec3(0.49, 0.61, 0.82);          // ambient from above, linear
-  Vec3 ground = Vec3(0.22, 0.184, 0.15);      // ambient from below, linear
+  Vec3 color = Vec3(2.60, 2.25, 1.88);        // linear radiance of the key light
+  Vec3 sky = Vec3(0.78, 0.80, 0.84);          // ambient from above, linear
+  Vec3 ground = Vec3(0.46, 0.43, 0.39);       // ambient from below, linear
   bool scenery_casts = false;  // the key light comes in only where the scenery is open
 };
 
@@ -42,7 +51,8 @@ struct ConnectorLook {
   Kind kind = Kind::rope;
   double diameter = 0.008;  // m, of the rope or cord, or of a link's outer width
   Vec3 color = Vec3(0.6, 0.5, 0.35);
-  Vec3 weight_color = Vec3(0.05, 0.055, 0.065);  // of balls for point masses at its ends: iron
+  Vec3 weight_color = Vec3(0.05, 0.055, 0.065);  // of balls at its ends: iron
+  double knob = 0;  // m, diameter of balls at ends that paths carry; 0: none
 };
 
 /// A line of text on the picture between two times. Text behind a tab is in one column in all
@@ -51,6 +61,23 @@ struct Caption {
   double from = 0, until = 0;  // s
   std::string text;
   std::string list;  // empty: of none
+};
+
+/// The way that a point of a body or connector took of late, drawn as a ribbon.
+struct Trail {
+  std::size_t index = 0;  // of the body or connector
+  bool connector = false;
+  Vec3 point = Vec3::Zero();  // in the body's frame, m
+  std::size_t particle = 0;   // of the connector
+  double lasts = 0.5;         // s of the scene
+  double width = 0.012;       // where the point is, in heights of the picture
+  Vec3 color = Vec3(0.95, 0.30, 0.04);
+};
+
+/// The places of a point that leaves a trail, the last one its present one.
+struct TrailPoints {
+  std::vector<double> ages;  // s, falling to 0
+  std::vector<Vec3> places;  // m
 };
 
 /// A part of the scene as the clip shows it, seen by a camera of its own.
@@ -81,6 +108,7 @@ struct Stage {
   std::vector<ConnectorLook> connector_looks;             // one per connector
   std::vector<std::shared_ptr<const Model>> characters;   // skinned
   std::vector<Caption> captions;
+  std::vector<Trail> trails;
 };
 
 /// What the files of its models hold that is not drawn, a line each.

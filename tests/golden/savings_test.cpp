@@ -93,13 +93,14 @@ void expect_nothing_shows(const std::string& name, int height, int step, double 
   const gl::Context context(gl::Backend::automatic);
   film::Film saving = clip.film(context, draw::Savings::all),
              whole = clip.film(context, draw::Savings::exposures);
-  clip.each(step, [&](const scenes::ClipFrame& frame, const std::vector<Snapshot>& states) {
-    const std::vector<draw::FrameState> shutter = saving.shutter(frame, states);
-    const film::Film::Frame a = saving.draw(frame, shutter), b = whole.draw(frame, shutter);
-    ASSERT_EQ(a.exposures, b.exposures);
-    EXPECT_LE(differing(a.picture, b.picture), 1 + a.picture.width * a.picture.height / kSeldom)
-        << name << ", frame " << clip.number(frame) << ", " << a.exposures << " exposures";
-  });
+  clip.each(
+      step, [&](const scenes::ClipFrame& frame, const scenes::ClipSimulation::Shutter& states) {
+        const std::vector<draw::FrameState> shutter = saving.shutter(frame, states);
+        const film::Film::Frame a = saving.draw(frame, shutter), b = whole.draw(frame, shutter);
+        ASSERT_EQ(a.exposures, b.exposures);
+        EXPECT_LE(differing(a.picture, b.picture), 1 + a.picture.width * a.picture.height / kSeldom)
+            << name << ", frame " << clip.number(frame) << ", " << a.exposures << " exposures";
+      });
 }
 
 /// The scenes here with a stage.
@@ -142,7 +143,7 @@ TEST(SlowThings, LookAsWithMoreExposures) {
   const gl::Context context(gl::Backend::automatic);
   film::Film saving = clip.film(context, draw::Savings::all),
              whole = clip.film(context, draw::Savings::none);
-  clip.each(80, [&](const scenes::ClipFrame& frame, const std::vector<Snapshot>& states) {
+  clip.each(80, [&](const scenes::ClipFrame& frame, const scenes::ClipSimulation::Shutter& states) {
     const std::vector<draw::FrameState> shutter = saving.shutter(frame, states);
     EXPECT_LT(
         smooth_difference(saving.draw(frame, shutter).picture, whole.draw(frame, shutter).picture),
@@ -156,7 +157,8 @@ TEST(PlantedTear, IsSeen) {
   const Clip clip("nunchaku", 180, 2);
   const gl::Context context(gl::Backend::automatic);
   film::Film film = clip.film(context, draw::Savings::all);
-  clip.each(740, [&](const scenes::ClipFrame& frame, const std::vector<Snapshot>& states) {
+  clip.each(740, [&](const scenes::ClipFrame& frame,
+                     const scenes::ClipSimulation::Shutter& states) {
     if (clip.number(frame) != 740) return;
     std::vector<draw::FrameState> shutter = film.shutter(frame, states);
     const picture::Picture whole = film.draw(frame, shutter).picture;

@@ -10,7 +10,15 @@ namespace taut::draw {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kNearPlane = 0.05, kFarPlane = 60;  // m, of what a camera sees
+/// m, of what a camera sees: of a large scene from farther off.
+struct Planes {
+  explicit Planes(const scenes::CameraView& camera) {
+    const double distance = (camera.target - camera.position).norm();
+    far = std::max(60.0, 6 * distance);
+    near = std::max(0.05, distance / 200);
+  }
+  double near, far;
+};
 
 double smoothstep(double from, double to, double x) {
   const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
@@ -117,11 +125,12 @@ Eigen::Matrix4f camera_projection(const scenes::CameraView& camera, double aspec
   view.topRightCorner<3, 1>() = -axes * camera.position;
 
   const double focal = 1 / std::tan(camera.field_of_view / 2);
+  const auto [near, far] = Planes(camera);
   Eigen::Matrix4d lens = Eigen::Matrix4d::Zero();
   lens(0, 0) = focal / aspect;
   lens(1, 1) = focal;
-  lens(2, 2) = (kFarPlane + kNearPlane) / (kNearPlane - kFarPlane);
-  lens(2, 3) = 2 * kFarPlane * kNearPlane / (kNearPlane - kFarPlane);
+  lens(2, 2) = (far + near) / (near - far);
+  lens(2, 3) = 2 * far * near / (near - far);
   lens(3, 2) = -1;
   return (lens * view).cast<float>();
 }
@@ -134,8 +143,8 @@ gl::Confusion confusion(const scenes::CameraView& camera, int height) {
   // aperture/2 (z/focus - 1) off the middle one.
   const double scale = aperture / 2 / camera.focus * height / (2 * slope);  // px, of 1 - focus/z
   // The buffer's depth is linear in 1/z.
-  return {float(scale * (1 - camera.focus / kNearPlane)),
-          float(scale * (1 - camera.focus / kFarPlane))};
+  const auto [near, far] = Planes(camera);
+  return {float(scale * (1 - camera.focus / near)), float(scale * (1 - camera.focus / far))};
 }
 
 }  // namespace taut::draw

@@ -17,19 +17,19 @@ constexpr std::array<std::array<int, 3>, 2> kPoints = {  // of the grid, by x, y
 constexpr int kSide = 32;                  // px of the pictures
 constexpr int kMirror = 128;               // px of the one that is mirrored
 constexpr int kLevels = 5;                 // of roughness, from 0 to 1 evenly
-constexpr double kNear = 0.02, kFar = 60;  // m
+constexpr double kNear = 0.02, kFar = 60;  // m, the latter of small rooms
 
 using Eigen::Matrix4f;
 
 /// World to clip space of a picture of a right angle.
-Matrix4f projection(const Mat3& side, const Vec3& eye) {
+Matrix4f projection(const Mat3& side, const Vec3& eye, double far) {
   Mat3 axes = side.transpose();
   axes.row(2) *= -1;  // OpenGL looks backwards
   Eigen::Matrix4d view = Eigen::Matrix4d::Identity(), lens = Eigen::Matrix4d::Identity();
   view.topLeftCorner<3, 3>() = axes;
   view.topRightCorner<3, 1>() = -axes * eye;
-  lens(2, 2) = (kFar + kNear) / (kNear - kFar);
-  lens(2, 3) = 2 * kFar * kNear / (kNear - kFar);
+  lens(2, 2) = (far + kNear) / (kNear - far);
+  lens(2, 3) = 2 * far * kNear / (kNear - far);
   lens(3, 2) = -1;
   lens(3, 3) = 0;
   return (lens * view).cast<float>();
@@ -83,7 +83,8 @@ class Photographer {
         surfaces_(gl, light, {no_light()}, shadow, 1, Output::radiance),
         color_(make_texture(gl, GL_RGBA32F, kMirror, kMirror)),
         depth_(make_texture(gl, GL_DEPTH_COMPONENT24, kMirror, kMirror)),
-        target_(make_framebuffer(gl, color_.id(), depth_.id())) {
+        target_(make_framebuffer(gl, color_.id(), depth_.id())),
+        far_(std::max(kFar, box_around(things).diagonal().norm())) {
     for (const Drawable& thing : things) patches_.push_back(patches(thing));
   }
 
@@ -103,7 +104,7 @@ class Photographer {
     std::vector<Eigen::Vector4f> read(std::size_t(size * size));
     for (const Mat3& side : cube_sides()) {
       FrameBlock block({eye, eye + Vec3::UnitZ(), 1}, {0, 0, size, size});
-      block.view_projection = projection(side, eye);
+      block.view_projection = projection(side, eye, far_);
       surfaces_.use(block);
       gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
       for (std::size_t i = 0; i < things_.size(); ++i) {
@@ -133,6 +134,7 @@ class Photographer {
   std::span<Drawable> things_;
   Surfaces surfaces_;
   gl::GlObject color_, depth_, target_;
+  double far_;                               // m
   std::vector<std::vector<Patch>> patches_;  // [thing]
   std::vector<std::uint32_t> indices_;
 };

@@ -79,16 +79,43 @@ TEST(Clip, SlowMotionShowsStatesOfTheSameMotion) {
   // Frames 60 and 60 + 4 * 14 of the second clip have the times of 30 and 44.
   const auto slow = scenes::record(scene, again, {60, 60 + 4 * 14}, tick);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const Snapshot& a = normal[i][normal[i].size() / 2];
-    const Snapshot& b = slow[i][slow[i].size() / 2];
+    const std::vector<Snapshot>&usual = normal[i].states, &slowed = slow[i].states;
+    const Snapshot &a = usual[usual.size() / 2], &b = slowed[slowed.size() / 2];
     EXPECT_EQ(a.time, b.time);
     EXPECT_EQ(a.connectors, b.connectors);
-    for (const auto& [shutter, rate] : {std::pair(&normal[i], 1.0), {&slow[i], 0.25}}) {
+    for (const auto& [shutter, rate] : {std::pair(&usual, 1.0), {&slowed, 0.25}}) {
       const double open = rate * scene.stage->shutter / scene.fps;  // half a state beyond both ends
       EXPECT_NEAR(shutter->back().time - shutter->front().time,
                   open * (1 - 1.0 / double(shutter->size())), 1.0 / 2400);
     }
   }
+}
+
+// Whichever frames are wanted, a trail has the places of the shot's frames until then.
+TEST(ClipSimulation, ATrailIsTheWayOfLate) {
+  scenes::Scene scene = swinging();
+  scene.stage->shots = {{.from = 0, .until = 0.5, .camera = {scenes::CameraKey{}}},
+                        {.from = 1, .until = 2, .camera = {scenes::CameraKey{}}}};
+  scene.stage->trails = {{.connector = true, .particle = 4, .lasts = 0.2},
+                         {.connector = true, .particle = 0, .lasts = 0.1}};
+  const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
+  std::vector<int> all(frames.size());
+  std::iota(all.begin(), all.end(), 0);
+  const auto every = scenes::record(scene, frames, all, [] {});
+  const auto lengths = [&](int frame) {
+    const auto& trails = every[std::size_t(frame)].trails;
+    return std::pair(trails.at(0).places.size(), trails.at(1).places.size());
+  };
+  EXPECT_EQ(lengths(0), std::pair(std::size_t(1), std::size_t(1)));
+  EXPECT_EQ(lengths(20), std::pair(std::size_t(13), std::size_t(7)));
+  EXPECT_EQ(lengths(32), std::pair(std::size_t(3), std::size_t(3))) << "since the cut";
+  const scenes::TrailPoints& trail = every[20].trails[0];
+  EXPECT_NEAR(trail.ages.front(), 0.2, 1e-9);
+  EXPECT_NEAR(trail.ages.back(), 0, 1e-9);
+  EXPECT_EQ(trail.places.back(), every[20].states[0].connectors[0][4]);
+  EXPECT_EQ(trail.places.front(), every[8].states[0].connectors[0][4]);
+  const auto one = scenes::record(scene, frames, {20}, [] {});
+  EXPECT_EQ(one[0].trails[0].places, trail.places);
 }
 
 TEST(ClipSimulation, KeepsTheStatesOfOneShutterHoweverLongTheClip) {

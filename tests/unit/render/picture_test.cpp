@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
+#include "render/picture/paint.h"
 #include "tests/support/folder.h"
 
 namespace taut::picture_test {
@@ -27,6 +31,21 @@ TEST(Picture, ComesBackFromItsFile) {
     EXPECT_EQ(read.height, height);
     EXPECT_EQ(read.pixels, picture.pixels) << width << "x" << height;
   }
+}
+
+TEST(Picture, ARibbonGetsNarrowerAndFainterAndCountsNoPlaceTwice) {
+  picture::Picture picture(100, 40);
+  std::ranges::fill(picture.pixels, std::uint8_t{0});
+  const std::vector<picture::RibbonPoint> points = {
+      {10, 20, 2, 0.2}, {50, 20, 6, 0.6}, {50, 20, 6, 0.6}, {90, 20, 10, 1}};
+  picture::ribbon(picture, points, {255, 255, 255});
+  const auto value = [&](int x, int y) { return int(picture.at(x, y)[0]); };
+  EXPECT_NEAR(value(30, 20), 255 * 0.4, 4);
+  EXPECT_NEAR(value(50, 20), 255 * 0.6, 4) << "where pieces meet, once";
+  EXPECT_NEAR(value(70, 20), 255 * 0.8, 4);
+  EXPECT_EQ(value(30, 24), 0) << "2 px to the side";
+  EXPECT_NEAR(value(86, 23), 255 * 0.96, 4) << "5 px";
+  EXPECT_EQ(value(86, 30), 0);
 }
 
 TEST(Picture, DamageIsNoticed) {

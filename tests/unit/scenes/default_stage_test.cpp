@@ -63,10 +63,10 @@ TEST_F(DefaultStage, TheCameraSeesAllThatMovesOverTheWholeClip) {
 
 TEST_F(DefaultStage, TheGroundIsWhereNothingGoesBelow) {
   const scenes::Scene scene = staged(kRope);
-  ASSERT_EQ(scene.stage->scenery.size(), 3u) << "the ground and two pins";
-  double top = -1e9, lowest = 1e9;
+  ASSERT_EQ(scene.stage->scenery.size(), 5u) << "the cove, two pins and their rods";
+  double top = 1e9, lowest = 1e9;
   for (const scenes::Vertex& vertex : scene.stage->scenery[0]->meshes[0].vertices)
-    top = std::max(top, static_cast<double>(vertex.position[1]));
+    top = std::min(top, static_cast<double>(vertex.position[1]));
   Simulation simulation = scenes::start(scene);
   for (int frame = 0; frame < scene.frames(); ++frame) {
     simulation.advance_to(static_cast<double>(frame) / scene.fps);
@@ -87,9 +87,9 @@ particles = 3
 from = { fixed = [0, 1, 0] }
 to = { point_mass = 1 }
 )");
-  double top = -1e9;
+  double top = 1e9;
   for (const scenes::Vertex& vertex : scene.stage->scenery.at(0)->meshes[0].vertices)
-    top = std::max(top, static_cast<double>(vertex.position[1]));
+    top = std::min(top, static_cast<double>(vertex.position[1]));
   EXPECT_LT(top, -0.031) << "steel of 1 kg has a radius of 31 mm";
   EXPECT_GT(top, -0.06);
 }
@@ -100,6 +100,67 @@ TEST_F(DefaultStage, LooksAreByKindAndBodiesHaveOne) {
   EXPECT_EQ(scene.stage->connector_looks.at(0).kind, Kind::rope);
   EXPECT_EQ(scene.stage->connector_looks.at(1).kind, Kind::cord);
   EXPECT_TRUE(scene.stage->body_models.at(0)) << "an inertia alone is drawn as its box";
+}
+
+TEST_F(DefaultStage, TheCoveIsAroundTheCameraAndAllThatMoves) {
+  const scenes::Scene scene = staged(kRope);
+  Eigen::AlignedBox3d cove;
+  for (const scenes::Vertex& vertex : scene.stage->scenery[0]->meshes[0].vertices)
+    cove.extend(Eigen::Vector3f(vertex.position.data()).cast<double>());
+  const scenes::CameraView camera = scenes::camera_at(scene.stage->shots.at(0).camera, 0);
+  EXPECT_TRUE(cove.contains(camera.position));
+  for (const scenes::Outline& thing : scenes::outlines(scene, scenes::start(scene).state()))
+    for (const Vec3& point : thing.points) EXPECT_TRUE(cove.contains(point)) << thing.name;
+}
+
+TEST_F(DefaultStage, ALevelPlaneIsTheFloor) {
+  const scenes::Scene scene = staged(kRope +
+                                     "[obstacles.floor]\nshape = { plane = {} }\n"
+                                     "position = [0, -1, 0]\n[method]\nname = \"direct\"\n");
+  double lowest = 1e9;
+  for (const auto& model : scene.stage->scenery)
+    if (model->name == "cove")
+      for (const scenes::Vertex& vertex : model->meshes[0].vertices)
+        lowest = std::min(lowest, double(vertex.position[1]));
+  EXPECT_GT(lowest, -1);
+  EXPECT_LT(lowest, -0.99);
+}
+
+TEST_F(DefaultStage, ACameraFollowsABody) {
+  const std::string stage = "[stage]\nscenery = []\ncamera = [{ t = 0, follow = \"box\", ";
+  const auto apart = [&](const std::string& keys, double time) {
+    const scenes::Scene scene = staged(kRope + stage + keys + " }]\n");
+    Simulation simulation = scenes::start(scene);
+    simulation.advance_to(time);
+    const scenes::CameraView view = scenes::camera_at(scene.stage->shots.at(0).camera, time);
+    const Vec3 body = simulation.world().bodies[0].position;
+    return std::pair(Vec3(view.target - body), Vec3(view.position - view.target));
+  };
+  for (const double time : {0.3, 0.5, 0.7}) {
+    const auto [off, eye] =
+        apart("target = [0, 0.2, 0], orbit = { azimuth = 0.5, distance = 3 }", time);
+    EXPECT_LT((off - Vec3(0, 0.2, 0)).norm(), 0.15) << "evened out over 0.2 s";
+    EXPECT_LT((eye - scenes::on_orbit({0.5, 0, 3})).norm(), 1e-9);
+  }
+  const scenes::Scene standing =
+      staged(kRope + stage + "target = [0, 0, 0], position = [5, 2, 6] }]\n");
+  const scenes::CameraView view = scenes::camera_at(standing.stage->shots.at(0).camera, 0.5);
+  EXPECT_LT((view.position - Vec3(5, 2, 6)).norm(), 1e-9) << "the eye stands, and turns";
+}
+
+TEST_F(DefaultStage, ABodyStandsWhereItIsFixed) {
+  const scenes::Scene scene = staged(kRope + R"([bodies.post]
+shape = { box = { size = [0.1, 2, 0.1] } }
+fixed = [1, 1, 0]
+rotation = [0.8, 0.6, 0, 0]
+)");
+  Simulation simulation = scenes::start(scene);
+  simulation.advance_to(0.5);
+  const Body& post = simulation.world().bodies.at(1);
+  EXPECT_TRUE(post.driven());
+  EXPECT_EQ(post.position, Vec3(1, 1, 0));
+  EXPECT_LT(post.rotation.angularDistance(Quat(0.8, 0.6, 0, 0)), 1e-7);
+  EXPECT_EQ(post.mass_properties.mass, 1) << "of no account";
 }
 
 TEST_F(DefaultStage, WhatIsWrittenStays) {

@@ -50,6 +50,26 @@ TEST(Camera, ALensOpensAndFocusesSmoothlyAndByDefaultAtTheTarget) {
   EXPECT_DOUBLE_EQ(scenes::camera_at(keys, 2).focus, 8);
 }
 
+TEST(Camera, GoesRoundItsTargetBetweenOrbits) {
+  std::vector<scenes::CameraKey> keys(2);
+  keys[0].orbit = Vec3(0, 0.3, 4);
+  keys[1].orbit = Vec3(std::numbers::pi, 0.3, 4);
+  for (std::size_t k = 0; k < 2; ++k) {
+    keys[k].time = double(k);
+    keys[k].target = Vec3(1, 1, 0);
+    keys[k].position = keys[k].target + scenes::on_orbit(*keys[k].orbit);
+  }
+  EXPECT_LT((keys[0].position - Vec3(1, 1 + 4 * std::sin(0.3), 4 * std::cos(0.3))).norm(), 1e-12);
+  for (const double time : {0.0, 0.2, 0.5, 0.9, 1.0}) {
+    const scenes::CameraView view = scenes::camera_at(keys, time);
+    EXPECT_NEAR((view.position - view.target).norm(), 4, 1e-12) << time;
+  }
+  const Vec3 half = scenes::camera_at(keys, 0.5).position;
+  EXPECT_LT((half - Vec3(1 + 4 * std::cos(0.3), 1 + 4 * std::sin(0.3), 0)).norm(), 1e-12);
+  keys[1].orbit.reset();  // straight, where one has a position alone
+  EXPECT_NEAR(scenes::camera_at(keys, 0.5).position.x(), 1, 1e-12);
+}
+
 /// Volume of a mesh by the divergence theorem; right and positive only where it is closed and its
 /// triangles face outward. Every edge must be met once in each direction.
 double closed_volume(const scenes::Model& model) {
