@@ -10,7 +10,7 @@ namespace {
 // While he waits he stands higher, on the foot behind; m and rad, as differences from his stance,
 // for a figure of 1.78 m.
 const Vec3 pelvis_waits(0.030, 0.030, -0.045);
-constexpr double nods = 0.34;  // rad, of the head beyond where it looks
+constexpr double bows = 0.436, nods = 0.12;  // rad, of the back, and of the head beyond that
 
 }  // namespace
 
@@ -24,6 +24,7 @@ void begin_and_end(const Figure& figure, const Cues& cues, Track& controls) {
     u[spine_lean] += 0.03 * waits;
     const double rises = cues.rises(time), nod = cues.nod(time);
     u[spine_yaw] += 0.055 * rises;
+    u[spine_lean] += bows * nod;
     u[head_lean] += nods * nod;
   }
 }
