@@ -265,7 +265,7 @@ void main() {
   wrap = vec3(0.1);
 #elif SURFACE == 5  // paper: daylight from behind comes through, and shows the fibres
   albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * vec2(1.1, 1.7)).g;
-  vec3 through = 0.46 * albedo * DAYLIGHT;
+  vec3 through = 0.70 * albedo * DAYLIGHT;
 #elif SURFACE == 6  // turned wood: the rings of a tree whose pith lies beside it, and pores
   vec3 p = grain_axis == 0 ? rest_position.yzx : grain_axis == 1 ? rest_position.zxy : rest_position;
   vec2 pores = texture(noise, vec2(p.z * 5.0, (p.x + 0.6 * p.y) * 90.0)).rg;
@@ -345,6 +345,11 @@ void main() {
 #if SHADE == 2 && MIRROR && GLOSSY
   // Cloth is darker than what it hides.
   ambient_part -= 0.6 * hidden_by_legs(world_position, reflect(-v, n), roughness) * gloss;
+#endif
+#if !BATHED
+  // A light behind what moves, above it, is seen at its edges.
+  float behind = 1 - nv, behind2 = behind * behind;
+  ambient_part += RIM * (diffuse + f0) * (behind2 * behind2 * max(0.5 + 0.5 * n.y, 0));
 #endif
   radiance += open * ambient_part;
 #if SURFACE == 5

@@ -10,7 +10,7 @@ namespace {
 // While he waits he stands higher, on the foot behind; m and rad, as differences from his stance,
 // for a figure of 1.78 m.
 const Vec3 pelvis_waits(0.030, 0.030, -0.045);
-constexpr double bows = 0.436, nods = 0.12;  // rad, of the back, and of the head beyond that
+constexpr double bows = 0.15, nods = 0.32;  // rad, of the back, and of the head beyond that
 
 }  // namespace
 

@@ -12,7 +12,7 @@ constexpr double moves = 0.02;                    // m/s: a hand that is slower 
 constexpr double stance = 0.9, stance_by = 0.25;  // s, that it takes, and before the hand moves
 constexpr double comes_to_rest = 0.35;            // s
 constexpr double long_rest = 1.9;                 // s
-constexpr double bow_after = 0.62, bow_takes = 0.55, bow_stays = 0.16, rise_takes = 0.60;  // s
+constexpr double bow_after = 0.75, bow_takes = 0.32, bow_stays = 0.08, rise_takes = 0.38;  // s
 constexpr double rises_after = 0.30, stands_in = 0.45;                                     // s
 constexpr double past_by = 0.42, past_until = 0.15, ducks = 0.28;  // s, before and after all rests
 constexpr double last_stroke = 0.62, stroke_takes = 0.48;          // s, before all rests

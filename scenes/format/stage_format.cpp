@@ -36,6 +36,8 @@ const TableFormat& stage_format() {
         .minimum = 0,
         .maximum = kLongestTrail,
         .above = true},
+       not_negative("from", "When it appears; default: at once.", "s"),
+       positive("until", "When it goes; default: never.", "s"),
        {.name = "width",
         .meaning = "Where the point is, as a share of the picture's height; default: 0.012.",
         .minimum = 0,
@@ -91,6 +93,9 @@ const TableFormat& stage_format() {
                                   color("color", "Linear radiance of the key light."),
                                   color("sky", "Linear ambient light from above."),
                                   color("ground", "Linear ambient light from below."),
+                                  color("rim",
+                                        "Linear radiance at the edges of what moves, as of a "
+                                        "light behind it; default: none."),
                                   {.name = "scenery_casts",
                                    .type = Type::flag,
                                    .meaning = "The scenery throws shadows: the key light comes in "

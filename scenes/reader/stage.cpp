@@ -113,6 +113,7 @@ Light read_light(const Document& document, const Value& value) {
   light.color = vec3_or(value, "color", light.color);
   light.sky = vec3_or(value, "sky", light.sky);
   light.ground = vec3_or(value, "ground", light.ground);
+  light.rim = vec3_or(value, "rim", light.rim);
   if (const Value* casts = value.find("scenery_casts")) light.scenery_casts = casts->flag;
   return light;
 }
@@ -192,6 +193,11 @@ std::vector<Trail> read_trails(const Document& document, const Value& list, cons
                            : 0;
     }
     trail.lasts = number_or(entry, "lasts", trail.lasts);
+    trail.from = number_or(entry, "from", trail.from);
+    trail.until = number_or(entry, "until", trail.until);
+    if (!(trail.until > trail.from)) {
+      document.mismatch(*entry.find("until"), fmt::format("a time after {} s", trail.from));
+    }
     trail.width = number_or(entry, "width", trail.width);
     trail.color = vec3_or(entry, "color", trail.color);
     trails.push_back(trail);

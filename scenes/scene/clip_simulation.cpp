@@ -76,9 +76,11 @@ std::vector<TrailPoints> ClipSimulation::trails(const ClipFrame& frame) {
   const double oldest = now - longest_trail_ - std::max(frame.rate, 0.0) / scene_.fps;
   ways_.erase(ways_.begin(), ways_.lower_bound(oldest));
   for (std::size_t i = 0; i < scene_.stage->trails.size(); ++i) {
+    const Trail& trail = scene_.stage->trails[i];
     const double from =
-        std::max(frame.time - scene_.stage->trails[i].lasts, frame.shot->from) - kRounding;
+        std::max({frame.time - trail.lasts, frame.shot->from, trail.from}) - kRounding;
     TrailPoints& points = all.emplace_back();
+    if (!(frame.time < trail.until)) continue;
     for (auto way = ways_.lower_bound(from); way != ways_.end() && way->first <= now; ++way) {
       points.ages.push_back(std::max(frame.time - way->first, 0.0));
       points.places.push_back(way->second[i]);

@@ -1,6 +1,7 @@
 // The stage: everything that pictures need beside the simulated state. Plain data.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,6 +43,7 @@ struct Light {
   Vec3 color = Vec3(2.60, 2.25, 1.88);        // linear radiance of the key light
   Vec3 sky = Vec3(0.78, 0.80, 0.84);          // ambient from above, linear
   Vec3 ground = Vec3(0.46, 0.43, 0.39);       // ambient from below, linear
+  Vec3 rim = Vec3::Zero();     // linear radiance at the edges of what moves, as from behind it
   bool scenery_casts = false;  // the key light comes in only where the scenery is open
 };
 
@@ -67,10 +69,11 @@ struct Caption {
 struct Trail {
   std::size_t index = 0;  // of the body or connector
   bool connector = false;
-  Vec3 point = Vec3::Zero();  // in the body's frame, m
-  std::size_t particle = 0;   // of the connector
-  double lasts = 0.5;         // s of the scene
-  double width = 0.012;       // where the point is, in heights of the picture
+  Vec3 point = Vec3::Zero();                                         // in the body's frame, m
+  std::size_t particle = 0;                                          // of the connector
+  double lasts = 0.5;                                                // s of the scene
+  double from = 0, until = std::numeric_limits<double>::infinity();  // s, when it is seen
+  double width = 0.012;  // where the point is, in heights of the picture
   Vec3 color = Vec3(0.95, 0.30, 0.04);
 };
 

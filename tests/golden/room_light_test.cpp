@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWide = 4, kHigh = 3, kDeep = 5;  // m
 constexpr float kAlbedo = 0.5f;
-constexpr double kGlow = 0.46 * kAlbedo;  // of paper, as a share of the key light
+constexpr double kGlow = 0.70 * kAlbedo;  // of paper, as a share of the key light
 constexpr double kPixel = 2.0 / 32;       // of the pictures, m at 1 m
 
 /// A wall that faces the room: its middle, and half its sides, the first times the second inwards.

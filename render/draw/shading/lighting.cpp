@@ -80,6 +80,7 @@ std::string light_constants(const scenes::Light& light, const Harmonics& ambient
                                     {"LIGHT_COLOR", light.color},
                                     {"DAYLIGHT", daylight(light)},
                                     {"SKY", light.sky},
+                                    {"RIM", light.rim},
                                     {"GROUND", light.ground}})
     constants += fmt::format("const vec3 {} = {};\n", name, text(value));
   std::string list;

@@ -13,7 +13,7 @@ import bpy
 import numpy
 
 OAK, WOOD, PAPER = ("oak",), ("wood", "floor", "plank", "beam"), ("paper",)
-THROUGH = 0.46  # the share of the daylight that comes through paper (render/gl/shaders.cpp)
+THROUGH = 0.70  # the share of the daylight that comes through paper (render/gl/shaders.cpp)
 LUMA = (0.2126, 0.7152, 0.0722)
 
 

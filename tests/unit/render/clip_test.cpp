@@ -96,8 +96,9 @@ TEST(ClipSimulation, ATrailIsTheWayOfLate) {
   scenes::Scene scene = swinging();
   scene.stage->shots = {{.from = 0, .until = 0.5, .camera = {scenes::CameraKey{}}},
                         {.from = 1, .until = 2, .camera = {scenes::CameraKey{}}}};
-  scene.stage->trails = {{.connector = true, .particle = 4, .lasts = 0.2},
-                         {.connector = true, .particle = 0, .lasts = 0.1}};
+  scene.stage->trails = {
+      {.connector = true, .particle = 4, .lasts = 0.2},
+      {.connector = true, .particle = 0, .lasts = 0.1, .from = 0.25, .until = 1.02}};
   const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
   std::vector<int> all(frames.size());
   std::iota(all.begin(), all.end(), 0);
@@ -106,9 +107,10 @@ TEST(ClipSimulation, ATrailIsTheWayOfLate) {
     const auto& trails = every[std::size_t(frame)].trails;
     return std::pair(trails.at(0).places.size(), trails.at(1).places.size());
   };
-  EXPECT_EQ(lengths(0), std::pair(std::size_t(1), std::size_t(1)));
-  EXPECT_EQ(lengths(20), std::pair(std::size_t(13), std::size_t(7)));
-  EXPECT_EQ(lengths(32), std::pair(std::size_t(3), std::size_t(3))) << "since the cut";
+  EXPECT_EQ(lengths(0), std::pair(std::size_t(1), std::size_t(0)));
+  EXPECT_EQ(lengths(20), std::pair(std::size_t(13), std::size_t(6))) << "since it appeared";
+  EXPECT_EQ(lengths(31), std::pair(std::size_t(2), std::size_t(2))) << "since the cut";
+  EXPECT_EQ(lengths(32), std::pair(std::size_t(3), std::size_t(0))) << "it has gone";
   const scenes::TrailPoints& trail = every[20].trails[0];
   EXPECT_NEAR(trail.ages.front(), 0.2, 1e-9);
   EXPECT_NEAR(trail.ages.back(), 0, 1e-9);
