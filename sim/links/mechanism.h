@@ -98,6 +98,8 @@ class Mechanism {
   /// Adds the forces (N) at each point of the material that flows past it, at the instant of the
   /// last place(), pulleys' accelerations aside.
   void add_flow(const double* state, std::vector<Vec3>& force) const;
+  /// The velocity (m/s) of rope that a winch moves past a point, at the instant of the last place().
+  Vec3 flow_past(std::size_t point, const double* state) const;
   std::size_t pulleys() const { return pulleys_.size(); }
   /// The numbers in an array of rows, pulleys behind them.
   std::size_t unknowns() const { return rows_.size() + pulleys(); }
@@ -156,6 +158,11 @@ class Mechanism {
 
   /// Puts held points at their places, and gives winched links their lengths.
   void place(double time, double* state);
+  /// The same, and measures the rows, without the forces.
+  void place_and_measure(double time, double* state) {
+    place(time, state);
+    measure(state);
+  }
   /// place(), and measures the rows; everything below speaks of the instant of the last update.
   void update(double time, double* state);
 

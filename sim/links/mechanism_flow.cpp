@@ -69,6 +69,19 @@ void Mechanism::add_flow(const double* state, std::vector<Vec3>& force) const {
   }
 }
 
+Vec3 Mechanism::flow_past(std::size_t point, const double* state) const {
+  for (const Winched& at : winches_) {
+    const std::size_t links = at.winch->rest.size();
+    if (point < at.first_point || point > at.first_point + links) continue;
+    const std::size_t i = point - at.first_point;
+    const std::size_t before = i == 0 ? 0 : i - 1, behind = i == links ? links : i + 1;
+    const Vec3 way = as_vector(state + position(at.first_point + behind)) -
+                     as_vector(state + position(at.first_point + before));
+    return at.winch->flow(i, at.first, at.last).speed * way.normalized();
+  }
+  return Vec3::Zero();
+}
+
 /// Beside measure(): rest lengths change.
 void Mechanism::measure_winches() {
   for (const Winched& at : winches_) {

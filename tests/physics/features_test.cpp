@@ -323,11 +323,11 @@ TEST(Features, EveryPairIsFollowedOrRefusedByName) {
 
 TEST(Features, AMethodThatIsAskedAloneNamesWhereTheyAre) {
   const Maker made({Feature::bending, Feature::obstacle});
-  EXPECT_EQ(refusal(*find_method("direct"), made.world()),
+  EXPECT_EQ(refusal(*find_method("truth"), made.world()),
             "does not follow bending (connector rope) together with obstacles (obstacle floor)");
   EXPECT_EQ(refusal(*find_method("impulse"), made.world()),
             "does not follow bending (connector rope)");
-  EXPECT_EQ(methods_that_follow(made.world()), "springs, xpbd");
+  EXPECT_EQ(methods_that_follow(made.world()), "springs, xpbd, direct");
 }
 
 // Rope that flows through a winch may not stretch yet; another rope may.

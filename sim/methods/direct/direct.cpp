@@ -7,6 +7,7 @@
 #include "sim/methods/direct/elastic.h"
 #include "sim/methods/direct/followed_parts.h"
 #include "sim/methods/direct/full_length.h"
+#include "sim/methods/direct/implicit/implicit.h"
 #include "sim/methods/direct/joined.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/run/companion.h"
@@ -17,6 +18,21 @@ namespace {
 
 using direct::Integrator;
 
+/// Features that only the implicit step follows together.
+const Abilities& abilities_without_implicit_step() {
+  static const Abilities abilities{
+      Features::all() - Feature::clamp_on_body,
+      {
+          {kMaterialFeatures -
+               Features{Feature::bending_damping, Feature::taper, Feature::material_on_body},
+           kContactFeatures},
+          {kMaterialFeatures | kJointFeatures, Feature::strings},
+          {kJointFeatures | kReelFeatures, kContactFeatures},
+          {kReelFeatures, Feature::strings},
+      }};
+  return abilities;
+}
+
 /// The state that advance() leaves in the world is where the next call goes on; a change of the
 /// world between two calls starts the method afresh.
 class Direct : public Method {
@@ -26,9 +42,11 @@ class Direct : public Method {
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
       require("direct", world);
+      is_combined_ = find_refusal(abilities_without_implicit_step(), world).has_value();
     }
     if (options_.step > 0) step_count(until - world.time, options_.step);  // throws
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
+      if (is_combined_) return advance_implicit(world, until);
       if (has_contact(world)) return advance_contacts(world, until);
       if (!world.joints.empty() || has_winches(world) || has_laden_materials(world) ||
           (has_hinges(world) && !has_strings(world) && !has_spans(world))) {
@@ -175,6 +193,13 @@ class Direct : public Method {
     count_on(*joined_, [&] { joined_->advance(world, until); });
   }
 
+  void advance_implicit(World& world, double until) {
+    if (!implicit_) implicit_ = std::make_unique<direct::Implicit>(options_);
+    built_ = true;
+    topology_ = world.topology;
+    count_on(*implicit_, [&] { implicit_->advance(world, until); });
+  }
+
   void advance_spans(World& world, double until) {
     if (!spans_) spans_ = std::make_unique<direct::Spans>(std::make_unique<Direct>(options_));
     if (!built_ || topology_ != world.topology) {
@@ -256,11 +281,13 @@ class Direct : public Method {
   direct::StepOptions options_;
   bool built_ = false;
   std::uint64_t topology_ = 0;
+  bool is_combined_ = false;  // the world has features that only implicit steps follow together
   bool left_behind_ = false;  // parts of the world, by advance_near()
   direct::FollowedParts parts_{options_};
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
   std::unique_ptr<direct::Contacts> contacts_;  // where something touches, or strings are
   std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
+  std::unique_ptr<direct::Implicit> implicit_;  // where features of these stand together
   std::unique_ptr<direct::Joined> joined_;      // where connectors are joined, and at hinges
   const void* counting_ = nullptr;              // of these, the one that was at work last
   Counters counted_;                            // by others than that one
@@ -328,16 +355,11 @@ MethodInfo direct_method() {
       .abilities =
           {Features::all() - Feature::clamp_on_body,
            {
-               {kMaterialFeatures -
-                    Features{Feature::bending_damping, Feature::taper, Feature::material_on_body},
-                kContactFeatures},
-               {kMaterialFeatures | kJointFeatures, Feature::strings},
                {kJointFeatures | Features{Feature::material_on_body, Feature::hinge} |
                     kContactFeatures | Feature::strings,
                 Feature::span},
-               {kJointFeatures, kContactFeatures},
-               {kReelFeatures, kContactFeatures},
-               {kReelFeatures, {Feature::strings, Feature::span}},
+               {kPulleyFeatures, kContactFeatures | Feature::strings},
+               {kReelFeatures, Feature::span},
                {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
            }},
       .parts_go_on = true,

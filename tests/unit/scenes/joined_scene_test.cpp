@@ -156,8 +156,11 @@ TEST_F(JoinedScene, OtherMethodsAndObstaclesAreRefused) {
       expect(text, "does not follow joints, expected one of: springs, xpbd, direct");
     }
   }
-  expect(kHead + net("net", "upper edge") + "[obstacles.floor]\nshape = { plane = {} }\n",
-         "nets.n: the method direct does not follow joints together with obstacles "
+  std::string text =
+      kHead + net("net", "upper edge") + "[obstacles.floor]\nshape = { plane = {} }\n";
+  text.replace(text.find("direct"), 6, "truth");
+  expect(text,
+         "nets.n: the method truth does not follow joints together with obstacles "
          "(obstacles.floor, line");
 }
 

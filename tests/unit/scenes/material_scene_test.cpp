@@ -127,10 +127,11 @@ TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
       expect(text, "expected one of: springs, xpbd, direct, truth");
     }
   }
-  expect(
-      rope_with(keys) + "[obstacles.floor]\nshape = { plane = {} }\n",
-      "scene.toml:12:1: connectors.rope.bending_stiffness: the method direct does not follow "
-      "bending together with obstacles (obstacles.floor, line 13), expected one of: springs, xpbd");
+  expect(rope_with(keys, "fixed = [0, 1, 0]", "", "truth") +
+             "[obstacles.floor]\nshape = { plane = {} }\n",
+         "scene.toml:12:1: connectors.rope.bending_stiffness: the method truth does not follow "
+         "bending together with obstacles (obstacles.floor, line 13), expected one of: springs, "
+         "xpbd, direct");
 }
 
 /// A rope between two clamps along x, with `turn` beside the second.

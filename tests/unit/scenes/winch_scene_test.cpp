@@ -114,8 +114,8 @@ TEST_F(WinchScene, SaysWhatIsWrong) {
          "winch[1].speed: stands beside keys of paid_out");
   expect(scene(held("[{ t = 0.0, speed = 0.0, ease = true }]")), "only one of: ease, speed");
   expect(scene(held("[{ t = 0.0 }]")), "one of: paid_out, speed");
-  expect(scene(held(kKeys), "free = true", "links = \"pull\""),
-         "winch: the method direct does not follow winches together with strings");
+  expect(scene(held(kKeys), "free = true", "links = \"pull\"", "truth"),
+         "winch: the method truth does not follow winches together with strings");
   expect(scene(held(kKeys), "free = true", "axial_stiffness = 0.1"),
          "winch: the method direct does not follow winches together with stretch "
          "(connectors.rope.axial_stiffness, line");
@@ -125,8 +125,8 @@ TEST_F(WinchScene, SaysWhatIsWrong) {
          "winch: the method impulse does not follow winches, expected one of: springs, xpbd, "
          "direct, truth");
   expect(scene(held(kKeys), "free = true",
-               "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -1, 0]\n"),
-         "winch: the method direct does not follow winches together with obstacles "
+               "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -1, 0]\n", "truth"),
+         "winch: the method truth does not follow winches together with obstacles "
          "(obstacles.floor, line");
 }
 

@@ -1,0 +1,213 @@
+#include "sim/methods/direct/implicit/implicit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/material/forces.h"
+#include "sim/measure/measure.h"
+#include "sim/methods/direct/constants.h"
+#include "sim/methods/direct/system/scales.h"
+#include "sim/motion/stop.h"
+
+namespace taut::direct {
+namespace {
+
+using Map = Eigen::Map<const Vec3>;
+
+constexpr double kLeastStep = 1e-12;  // s
+constexpr double kOrder = 2;
+/// A step of h seconds may err by kRate h tolerances, within these bounds: errors of short steps
+/// come from waves and changes, and die away.
+constexpr double kRate = 0.4, kLeastShare = 1e-3, kShare = 0.01;
+/// The power of StepOptions::finer by which the error of a step falls, so that the error of the
+/// whole falls enough to tell it by the difference.
+constexpr double kFiner = 5;
+
+}  // namespace
+
+void Implicit::rebuild(const World& world) {
+  built_ = true;
+  topology_ = world.topology;
+  step_.rebuild(world);
+  length_ = length_scale(world);
+  shortest_ = length_;
+  for (const Connector& connector : world.connectors) {
+    for (const double rest : connector.rest) {
+      if (rest > 0) shortest_ = std::min(shortest_, rest);
+    }
+  }
+  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
+  touching_ = std::clamp(1e-3 * tolerance, 1e-12 * length_, 1e-5 * length_);
+  step_.set_lowest_speeds(std::sqrt(2 * world.gravity.norm() * 0.1 * tolerance),
+                          touching_ / velocity_time_of(length_));
+}
+
+/// The error (m) that the halves of a step of h may make. Extrapolation leaves of it a part that
+/// falls by the power 3/2 of the whole, in units of the length.
+double Implicit::allowed_error(double h) const {
+  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
+  const double share = std::clamp(kRate * options_.finer * h, kLeastShare, kShare);
+  const double rough = kConstants.turn * shortest_ / kConstants.share;
+  const double most = std::min(tolerance, rough);
+  const double gain = std::max(1.0, std::cbrt(length_ / most));
+  return share * gain * most / std::pow(options_.finer, kFiner) +
+         kConstants.roundings * 2.2e-16 * length_;
+}
+
+/// The error (m) that a step may make in which contacts or strings change: once, however short.
+double Implicit::allowed_change() const {
+  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
+  return kShare * tolerance / std::pow(options_.finer, kFiner) +
+         kConstants.roundings * 2.2e-16 * length_;
+}
+
+/// The distance (m) of two states, RMS over all that moves freely.
+double Implicit::size(const StepState& one, const StepState& other) const {
+  const Mechanism& mechanism = step_.mechanism();
+  const double time = velocity_time_of(length_);
+  const auto apart = [&](std::size_t at) {
+    return Vec3(Map(&one.state[at]) - Map(&other.state[at]));
+  };
+  double sum = 0, count = 0;
+  for (std::size_t p = 0; p < mechanism.points(); ++p) {
+    if (mechanism.inverse_mass()[p] == 0) continue;
+    sum += apart(mechanism.position(p)).squaredNorm() +
+           time * time * apart(mechanism.velocity(p)).squaredNorm();
+    ++count;
+  }
+  for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
+    const auto& body = mechanism.bodies()[b];
+    const double arm = std::sqrt(body.inertia.norm() * body.inverse_mass);
+    const std::size_t pose = mechanism.pose(b), twist = mechanism.twist(b);
+    double turn = 0;
+    for (std::size_t i = 3; i < 7; ++i) {
+      turn += std::pow(one.state[pose + i] - other.state[pose + i], 2);
+    }
+    const double place = apart(pose).norm() + 2 * arm * std::sqrt(turn);
+    const double speed = apart(twist).norm() + arm * apart(twist + 3).norm();
+    sum += place * place + time * time * speed * speed;
+    ++count;
+  }
+  return std::sqrt(sum / std::max(count, 1.0));
+}
+
+void Implicit::advance(World& world, double until) {
+  const bool fresh = !built_ || topology_ != world.topology;
+  if (fresh) rebuild(world);
+  if (!fresh) {
+    Mechanism& mechanism = step_.mechanism();
+    mechanism.load(world, loaded_);
+  }
+  if (fresh || loaded_ != shown_) {
+    if (!step_.load(world, now_, touching_)) give_up(world);
+  }
+  follow(world, until);
+  step_.store(now_, world);
+  step_.mechanism().load(world, shown_);
+}
+
+void Implicit::follow(const World& world, double until) {
+  brief_ = now_.time;
+  short_ = 0;
+  const bool fixed = options_.step > 0;
+  if (next_ == 0) {
+    next_ =
+        fixed ? options_.step : 0.1 * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
+  }
+  const double longest = kConstants.longest_driven / options_.finer;
+  double within = longest;  // s, up to what arrives next
+  while (now_.time < until) {
+    check_stop();
+    counters_.solves = step_.factorisations();
+    const double left = until - now_.time, wish = std::min({next_, longest, within});
+    const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
+    const bool arrives_at_end = within < std::min(next_, longest) && within < left;
+    const double h = arrives_at_end ? within : left / count;
+    if (h < kLeastStep) give_up(world);
+    ++counters_.steps;
+    const auto refuse = [&](double shorter) {
+      ++counters_.rejected;
+      next_ = shorter;
+    };
+    step_.set_accuracy(fixed ? 0 : 0.1 * allowed_error(h) / velocity_time_of(length_));
+    // The two halves.
+    ImplicitStep::Result result = step_.step(now_, h / 2, touching_, true, middle_);
+    double reached = 0;
+    if (result == ImplicitStep::Result::done) {
+      reached = h / 2;
+      if (!step_.finish(middle_, touching_, true)) {
+        result = ImplicitStep::Result::failed;
+      } else {
+        // What arrives there ends a step.
+        if (step_.jumped() && h > 4 * kLeastStep) {
+          ++counters_.rejected;
+          within = h / 2;
+          continue;
+        }
+        result = step_.step(middle_, h / 2, touching_, true, end_);
+      }
+    }
+    if (result == ImplicitStep::Result::failed) {
+      refuse(h / 2);
+      continue;
+    }
+    if (result == ImplicitStep::Result::arrives) {
+      ++counters_.rejected;
+      within = std::max(reached + step_.arrival(), 0.01 * h);
+      continue;
+    }
+    double error = 0;
+    const std::uint64_t pattern = end_.pattern();
+    if (!fixed) {
+      if (step_.step(now_, h, touching_, false, whole_) == ImplicitStep::Result::failed) {
+        refuse(h / 2);
+        continue;
+      }
+      const bool same = pattern == whole_.pattern() && pattern == middle_.pattern();
+      const double share = same ? std::exp2(kOrder) - 1 : 1;
+      const double raw = size(end_, whole_) / share;
+      error = std::min(raw, step_.distance(end_, whole_, velocity_time_of(length_)) / share);
+      const double limit = same ? allowed_error(h) : allowed_change(),
+                   order = same ? kOrder + 1 : 2;
+      error = std::max(error, raw * limit / (kConstants.passed_over * options_.tolerance));
+      const double ratio = kConstants.safety * std::pow(limit / std::max(error, 1e-300), 1 / order);
+      if (!(error <= limit)) {
+        refuse(h * std::clamp(ratio, 0.1, 0.9));
+        continue;
+      }
+      const double next = h * std::min(ratio, kConstants.most_change);
+      if (next < h || next > next_) next_ = next;
+      if (same) step_.extrapolate(1 / (std::exp2(kOrder) - 1), end_);
+    } else {
+      next_ = std::min(options_.step, 2 * h);
+    }
+    if (!step_.finish(end_, touching_, true)) {
+      refuse(h / 2);
+      continue;
+    }
+    end_.time = h == left ? until : now_.time + h;
+    step_.accept();
+    std::swap(now_, end_);
+    within = longest;
+    step_.mechanism().follow(now_.time, now_.state);
+    if (now_.time - brief_ > kConstants.brief) {
+      brief_ = now_.time;
+      short_ = 0;
+    }
+    if (++short_ > kConstants.most_steps) give_up(world);
+  }
+}
+
+void Implicit::give_up(const World& world) const {
+  const auto& stretches = step_.mechanism().material().stretches();
+  const std::string name = world.connectors.empty() ? "" : world.connectors.front().name;
+  if (const auto* pressed = material::pressed_together(stretches, now_.state.data())) {
+    throw Diverged("direct", now_.time, counters_.steps, world.connectors[pressed->connector].name,
+                   pressed->link, material::kPressedTogether);
+  }
+  throw Diverged("direct", now_.time, counters_.steps, name, 0,
+                 "no step is small enough for the tolerance: the links may be at their full length "
+                 "between what holds them");
+}
+
+}  // namespace taut::direct

@@ -1,0 +1,46 @@
+// The integrator of worlds in which features stand together: implicit steps under error control.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/methods/direct/implicit/implicit_step.h"
+#include "sim/methods/direct/integrator.h"
+#include "sim/run/method.h"
+#include "sim/world/world.h"
+
+namespace taut::direct {
+
+/// Each step is taken once and again in two halves; the difference tells the error of the halves,
+/// which go on.
+class Implicit {
+ public:
+  explicit Implicit(const StepOptions& options) : options_(options) {}
+
+  /// Advances the whole world. Throws Diverged.
+  void advance(World& world, double until);
+  /// Since this was made.
+  const Counters& counters() const { return counters_; }
+
+ private:
+  void rebuild(const World& world);
+  void follow(const World& world, double until);
+  double allowed_error(double h) const;
+  double allowed_change() const;
+  double size(const StepState& one, const StepState& other) const;
+  [[noreturn]] void give_up(const World& world) const;
+
+  StepOptions options_;
+  Counters counters_;
+  bool built_ = false;
+  std::uint64_t topology_ = 0;
+  ImplicitStep step_;
+  StepState now_, middle_, end_, whole_;
+  std::vector<double> shown_, loaded_;  // the state that advance() left in the world; found there
+  double length_ = 1, shortest_ = 1, touching_ = 0;
+  double next_ = 0;   // s: the step that the error allows
+  double brief_ = 0;  // s: start of the window in which steps are counted
+  int short_ = 0;
+};
+
+}  // namespace taut::direct

@@ -1,0 +1,1211 @@
+#include "sim/methods/direct/implicit/implicit_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim/material/elements.h"
+#include "sim/motion/rotation.h"
+#include "sim/motion/stop.h"
+
+namespace taut::direct {
+namespace {
+
+Eigen::Map<Vec3> vec(double* at) {
+  return Eigen::Map<Vec3>(at);
+}
+Eigen::Map<const Vec3> vec(const double* at) {
+  return Eigen::Map<const Vec3>(at);
+}
+
+constexpr std::uint32_t kNone = 0xffffffff;
+const double kGamma = 1 - 1 / std::numbers::sqrt2;
+/// A share of the inertia that Newton's matrix gives redundant conditions, so that it is regular:
+/// of all solutions the nearest is found. It changes the way to the solution, not the solution.
+constexpr double kProximal = 1e-9;
+/// How often arrivals of one moment may cause others.
+constexpr int kRounds = 10;
+/// Static friction is exceeded from that share below its bound on.
+constexpr double kBarely = 1e-3;
+
+Quat rotation_by(const Vec3& angle) {
+  const double half = angle.norm() / 2;
+  const double sinc = half > 1e-4 ? std::sin(half) / half : 1 - half * half / 6;
+  Quat turn;
+  turn.w() = std::cos(half);
+  turn.vec() = sinc / 2 * angle;
+  return turn;
+}
+
+/// A function that is zero where p >= 0, w >= 0 and p w = 0, and its derivatives. Both in m/s.
+struct Complementarity {
+  double value = 0, by_p = 0, by_w = 0;
+};
+
+/// The smaller one, without `kappa`; else Fischer's and Burmeister's, on the central path
+/// p w = kappa.
+Complementarity complementarity(double p, double w, double kappa) {
+  if (kappa < 0) {
+    if (p > w) return {w, 0, 1};
+    return {p, 1, 0};
+  }
+  const double root = std::sqrt(p * p + w * w + 2 * kappa);
+  return {p + w - root, 1 - p / root, 1 - w / root};
+}
+
+}  // namespace
+
+void ImplicitStep::rebuild(const World& world) {
+  mechanism_.rebuild(world);
+  touches_.rebuild(world, mechanism_);
+  const std::size_t points = mechanism_.points(), bodies = mechanism_.bodies().size();
+  node_.assign(points, kNone);
+  carried_.assign(points, kNone);
+  body_.assign(bodies, kNone);
+  std::uint32_t next = 0;
+  const auto& easy = mechanism_.inverse_mass();
+  for (std::uint32_t p = 0; p < points; ++p) {
+    if (easy[p] == 0) continue;
+    node_[p] = next;
+    next += 3;
+  }
+  const auto& held = mechanism_.body_points();
+  for (std::uint32_t i = 0; i < held.size(); ++i) carried_[held[i].point] = i;
+  for (std::uint32_t b = 0; b < bodies; ++b) {
+    body_[b] = next;
+    next += 6;
+  }
+  // A joined particle stands where its leader does.
+  for (std::uint32_t p = 0; p < points; ++p) {
+    const std::size_t leader = mechanism_.leader(p);
+    if (leader == p) continue;
+    node_[p] = node_[leader];
+    carried_[p] = carried_[leader];
+  }
+  first_link_ = next;
+  const auto ease = [&](std::uint32_t p) {
+    if (node_[p] != kNone) return easy[p] != 0 ? easy[p] : easy[mechanism_.leader(p)];
+    if (carried_[p] == kNone) return 0.0;
+    const auto& at = held[carried_[p]];
+    const auto& body = mechanism_.bodies()[at.body];
+    return body.inverse_mass + at.local.squaredNorm() * body.inverse_inertia.norm() / 2;
+  };
+  links_.clear();
+  const auto add = [&](Link link) {
+    const double sum = ease(link.a) + ease(link.b);
+    link.inertia = sum > 0 ? 1 / sum : 1;
+    links_.push_back(link);
+  };
+  const auto& rows = mechanism_.rows();
+  for (std::uint32_t r = 0; r < rows.size(); ++r) {
+    add({.a = rows[r].a, .b = rows[r].b, .pulls = rows[r].pulls, .row = r});
+  }
+  const auto& stretches = mechanism_.material().stretches();
+  for (std::uint32_t k = 0; k < stretches.size(); ++k) {
+    add({.a = stretches[k].a, .b = stretches[k].b, .soft = true, .row = k});
+  }
+  first_contact_ = first_link_ + links_.size();
+  shape_of_.clear();
+  shape_of_.push_back(kNone);  // no layout is the last one
+  base_.assign(mechanism_.state_size(), 0.0);
+  state_ = base_;
+  turn_.assign(bodies, Vec3::Zero());
+  start_turn_.assign(bodies, Quat::Identity());
+  loose_.assign(links_.size(), 0.0);
+  violation_.assign(links_.size(), 0.0);
+  force_.assign(points, Vec3::Zero());
+  wanted_.assign(first_link_, 0.0);
+}
+
+void ImplicitStep::lay_out(const StepState& from) {
+  std::vector<std::uint32_t> shape;
+  for (const Contact& contact : contacts_) shape.push_back(contact.candidate);
+  on_.assign(links_.size(), 1);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    if (links_[k].pulls) on_[k] = from.taut[k];
+  }
+  unknowns_ = first_contact_ + 3 * contacts_.size();
+  unknown_.resize(unknowns_);
+  residual_.resize(unknowns_);
+  row_scale_.resize(unknowns_);
+  column_scale_.resize(unknowns_);
+  meetings_.resize(contacts_.size());
+  bounce_.assign(contacts_.size(), 0.0);
+  law_.assign(contacts_.size(), 0);
+  if (shape == shape_of_) return;
+  shape_of_ = shape;
+  std::vector<std::uint32_t> groups(unknowns_);
+  std::uint32_t group = 0;
+  std::size_t u = 0;
+  const auto& easy = mechanism_.inverse_mass();
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (easy[p] == 0) continue;
+    for (int i = 0; i < 3; ++i) groups[u++] = group;
+    ++group;
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b, ++group) {
+    for (int i = 0; i < 6; ++i) groups[u++] = group;
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) groups[u++] = group++;
+  for (std::size_t c = 0; c < contacts_.size(); ++c, ++group) {
+    for (int i = 0; i < 3; ++i) groups[u++] = group;
+  }
+  stage_system_.reshape(groups);
+  jump_system_.reshape(groups);
+}
+
+void ImplicitStep::add_handles(std::uint32_t point, double weight, Relative& to) const {
+  if (weight == 0) return;
+  if (node_[point] != kNone) {
+    to.add({.at = node_[point], .weight = weight});
+  } else if (carried_[point] != kNone) {
+    const auto& at = mechanism_.body_points()[carried_[point]];
+    to.add({.at = body_[at.body], .body = true, .weight = weight, .arm = at.arm});
+  }
+}
+
+ImplicitStep::Relative ImplicitStep::relative(std::uint32_t a, std::uint32_t b) const {
+  Relative made;
+  add_handles(b, 1, made);
+  add_handles(a, -1, made);
+  return made;
+}
+
+ImplicitStep::Relative ImplicitStep::relative(const Candidate& of, const Meeting& at) const {
+  Relative made;
+  if (of.body != kNone) {
+    made.add({.at = body_[of.body], .body = true, .weight = 1, .arm = at.arm});
+  } else if (of.is_bead()) {
+    add_handles(of.a, 1, made);
+  } else {
+    // Also with a share of none, so that the matrix keeps its places.
+    const double share = std::clamp(at.share, 1e-300, 1 - 1e-16);
+    add_handles(of.a, 1 - share, made);
+    add_handles(of.b, share, made);
+  }
+  if (of.other != kNone) {
+    made.add({.at = body_[of.other], .body = true, .weight = -1, .arm = at.other_arm});
+  }
+  return made;
+}
+
+/// A force on a relative place, out of the residual.
+void ImplicitStep::push(const Relative& at, const Vec3& force) {
+  for (const Handle& handle : at.all()) {
+    const Vec3 own = handle.weight * force;
+    vec(&residual_[handle.at]) -= own;
+    if (handle.body) vec(&residual_[handle.at + 3]) -= handle.arm.cross(own);
+  }
+}
+
+/// The derivative of minus a force on `row` by the velocity of `column`.
+void ImplicitStep::block(const Relative& row, const Relative& column, const Mat3& value) {
+  if (!assembles_) return;
+  for (const Handle& r : row.all()) {
+    for (const Handle& c : column.all()) {
+      const Mat3 own = r.weight * c.weight * value;
+      const auto put = [&](std::size_t i, std::size_t j, const Mat3& m) {
+        for (std::size_t x = 0; x < 3; ++x) {
+          for (std::size_t y = 0; y < 3; ++y) {
+            entry(i + x, j + y, m(static_cast<int>(x), static_cast<int>(y)));
+          }
+        }
+      };
+      put(r.at, c.at, own);
+      if (c.body) put(r.at, c.at + 3, -own * cross_matrix(c.arm));
+      if (!r.body) continue;
+      const Mat3 turned = cross_matrix(r.arm) * own;
+      put(r.at + 3, c.at, turned);
+      if (c.body) put(r.at + 3, c.at + 3, -turned * cross_matrix(c.arm));
+    }
+  }
+}
+
+void ImplicitStep::row(std::size_t index, const Relative& column, const Vec3& value) {
+  if (!assembles_) return;
+  for (const Handle& c : column.all()) {
+    const Vec3 own = c.weight * value;
+    const Vec3 turned = c.arm.cross(own);
+    for (std::size_t x = 0; x < 3; ++x) entry(index, c.at + x, own[static_cast<int>(x)]);
+    if (!c.body) continue;
+    for (std::size_t x = 0; x < 3; ++x) entry(index, c.at + 3 + x, turned[static_cast<int>(x)]);
+  }
+}
+
+/// The derivative of minus a force on `row` by an unknown.
+void ImplicitStep::column(std::size_t index, const Relative& row, const Vec3& value) {
+  if (!assembles_) return;
+  for (const Handle& r : row.all()) {
+    const Vec3 own = r.weight * value;
+    const Vec3 turned = r.arm.cross(own);
+    for (std::size_t x = 0; x < 3; ++x) entry(r.at + x, index, own[static_cast<int>(x)]);
+    if (!r.body) continue;
+    for (std::size_t x = 0; x < 3; ++x) entry(r.at + 3 + x, index, turned[static_cast<int>(x)]);
+  }
+}
+
+/// The state that the unknowns make.
+void ImplicitStep::place_unknowns(const Problem& problem) {
+  state_ = base_;
+  const auto& easy = mechanism_.inverse_mass();
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (easy[p] == 0) continue;
+    const Eigen::Map<const Vec3> v(&unknown_[node_[p]]);
+    vec(&state_[mechanism_.position(p)]) += problem.advance * v;
+    vec(&state_[mechanism_.velocity(p)]) = v;
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const Eigen::Map<const Vec3> v(&unknown_[body_[b]]), spin(&unknown_[body_[b] + 3]);
+    vec(&state_[mechanism_.pose(b)]) += problem.advance * v;
+    const Quat turned = rotation_by(turn_[b] + problem.advance * spin) * start_turn_[b];
+    set_quaternion(turned.normalized(), &state_[mechanism_.pose(b) + 3]);
+    vec(&state_[mechanism_.twist(b)]) = v;
+    vec(&state_[mechanism_.twist(b) + 3]) = spin;
+  }
+  mechanism_.place_and_measure(problem.time, state_.data());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    meetings_[c] = touches_.meet(mechanism_, contacts_[c].candidate, state_.data());
+  }
+}
+
+void ImplicitStep::scale(const Problem& problem) {
+  const auto& easy = mechanism_.inverse_mass();
+  std::ranges::fill(column_scale_, 1.0);
+  std::ranges::fill(row_scale_, 1.0);
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (easy[p] == 0) continue;
+    for (std::size_t i = 0; i < 3; ++i) row_scale_[node_[p] + i] = easy[p] / problem.inertia;
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const auto& body = mechanism_.bodies()[b];
+    const double turning = std::max(body.inertia.diagonal().maxCoeff(), 1e-300);
+    for (std::size_t i = 0; i < 3; ++i) {
+      row_scale_[body_[b] + i] = body.inverse_mass / problem.inertia;
+      row_scale_[body_[b] + 3 + i] = 1 / (turning * problem.inertia);
+    }
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    column_scale_[first_link_ + k] = links_[k].inertia * problem.inertia;
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Candidate& of = touches_.candidates()[contacts_[c].candidate];
+    double ease = 0;
+    const auto of_body = [&](std::uint32_t b, const Vec3& arm) {
+      const auto& body = mechanism_.bodies()[b];
+      return body.inverse_mass + arm.squaredNorm() * body.inverse_inertia.norm() / 2;
+    };
+    const auto of_point = [&](std::uint32_t p) {
+      if (carried_[p] == kNone) return easy[p];
+      const auto& at = mechanism_.body_points()[carried_[p]];
+      return of_body(at.body, at.arm);
+    };
+    if (of.body != kNone) {
+      ease += of_body(of.body, meetings_[c].arm);
+    } else {
+      const double share = meetings_[c].share;
+      ease += (1 - share) * (1 - share) * of_point(of.a) + share * share * of_point(of.b);
+    }
+    if (of.other != kNone) ease += of_body(of.other, meetings_[c].other_arm);
+    for (std::size_t i = 0; i < 3; ++i) {
+      column_scale_[first_contact_ + 3 * c + i] = problem.inertia / std::max(ease, 1e-300);
+    }
+  }
+}
+
+void ImplicitStep::assemble_inertia(const Problem& problem) {
+  const auto& easy = mechanism_.inverse_mass();
+  const Vec3 gravity = problem.forces ? mechanism_.gravity() : Vec3(Vec3::Zero());
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (easy[p] == 0) continue;
+    const std::size_t at = node_[p];
+    const double mass = 1 / easy[p];
+    vec(&residual_[at]) +=
+        mass * (problem.inertia * (vec(&unknown_[at]) - vec(&wanted_[at])) - gravity);
+    for (std::size_t i = 0; i < 3; ++i) entry(at + i, at + i, mass * problem.inertia);
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const auto& body = mechanism_.bodies()[b];
+    const std::size_t at = body_[b];
+    const double mass = 1 / body.inverse_mass;
+    vec(&residual_[at]) +=
+        mass * (problem.inertia * (vec(&unknown_[at]) - vec(&wanted_[at])) - gravity);
+    for (std::size_t i = 0; i < 3; ++i) entry(at + i, at + i, mass * problem.inertia);
+    const Mat3 turn = quaternion(&state_[mechanism_.pose(b) + 3]).normalized().toRotationMatrix();
+    Mat3 inertia = turn * body.inertia * turn.transpose();
+    const Eigen::Map<const Vec3> spin(&unknown_[at + 3]);
+    const Vec3 rate = problem.inertia * (spin - vec(&wanted_[at + 3]));
+    // Without inertia about an axis nothing changes the spin there.
+    const double least = 1e-12 * std::max(body.inertia.diagonal().maxCoeff(), 1e-300);
+    const Mat3 round = inertia + least * Mat3::Identity();
+    Mat3 slope = problem.inertia * round;
+    Vec3 moment = round * rate;
+    if (problem.forces) {
+      const Vec3 momentum = inertia * spin;
+      moment += spin.cross(momentum);
+      slope += cross_matrix(spin) * inertia - cross_matrix(momentum);
+      slope += problem.advance * (inertia * cross_matrix(rate) - cross_matrix(inertia * rate));
+    }
+    vec(&residual_[at + 3]) += moment;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        entry(at + 3 + i, at + 3 + j, slope(static_cast<int>(i), static_cast<int>(j)));
+      }
+    }
+  }
+}
+
+void ImplicitStep::assemble_materials(const Problem& problem) {
+  const auto& material = mechanism_.material();
+  const double* places = state_.data();
+  const double* velocities = &state_[mechanism_.velocity(0)];
+  const double h = problem.advance;
+  for (const material::BendElement& bend : material.bends()) {
+    Vec3 e0, e1, by_e0, by_e1;
+    material.edges(bend, places, e0, e1);
+    const material::Bend shape(e0, e1, bend.rest);
+    shape.slope(bend.stiffness, by_e0, by_e1);
+    material::Bend::Stiffness k = shape.stiffness(bend.stiffness);
+    k.e0_e0 *= h;
+    k.e0_e1 *= h;
+    k.e1_e1 *= h;
+    if (bend.damping > 0) {
+      Vec3 damped0, damped1, rate0, rate1;
+      material.edge_rates(bend, velocities, rate0, rate1);
+      shape.resistance(bend.damping, rate0, rate1, damped0, damped1);
+      by_e0 += damped0;
+      by_e1 += damped1;
+      const auto d = shape.damping(bend.damping);
+      k.e0_e0 += d.e0_e0;
+      k.e0_e1 += d.e0_e1;
+      k.e1_e1 += d.e1_e1;
+    }
+    Relative first, second;
+    if (!bend.clamped_before()) first = relative(bend.a, bend.b);
+    if (!bend.clamped_behind()) second = relative(bend.b, bend.c);
+    push(first, -by_e0);
+    push(second, -by_e1);
+    block(first, first, k.e0_e0);
+    block(first, second, k.e0_e1);
+    block(second, first, k.e0_e1.transpose());
+    block(second, second, k.e1_e1);
+  }
+  for (const material::DragElement& link : material.drags()) {
+    const Vec3 force = 2 * material.drag(link, places, velocities);
+    const Vec3 edge = vec(places + 3 * link.b) - vec(places + 3 * link.a);
+    Vec3 speed =
+        (vec(velocities + 3 * link.a) + vec(velocities + 3 * link.b)) / 2 - material.wind();
+    if (link.flow != 0) speed += link.flow * edge.normalized();
+    Relative middle;
+    add_handles(link.a, 0.5, middle);
+    add_handles(link.b, 0.5, middle);
+    push(middle, force);
+    block(middle, middle,
+          material::drag_slope(edge, speed, link.density_area(), link.across, link.along));
+  }
+  if (!mechanism_.has_winches()) return;
+  std::ranges::fill(force_, Vec3::Zero());
+  mechanism_.add_flow(state_.data(), force_);
+  for (std::uint32_t p = 0; p < force_.size(); ++p) {
+    if (force_[p].isZero(0)) continue;
+    Relative at;
+    add_handles(p, 1, at);
+    push(at, force_[p]);
+  }
+}
+
+void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
+  const auto& rows = mechanism_.rows();
+  const auto& stretches = mechanism_.material().stretches();
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Link& link = links_[k];
+    const std::size_t at = first_link_ + k;
+    const Relative gap = relative(link.a, link.b);
+    const Eigen::Map<const Vec3> a(&state_[mechanism_.position(link.a)]),
+        b(&state_[mechanism_.position(link.b)]);
+    const Eigen::Map<const Vec3> va(&state_[mechanism_.velocity(link.a)]),
+        vb(&state_[mechanism_.velocity(link.b)]);
+    const Vec3 way = b - a, rate_of_way = vb - va;
+    const double length = way.norm(), inverse = length > 0 ? 1 / length : 0;
+    Vec3 direction = inverse * way;
+    const bool joint = !link.soft && rows[link.row].axis != Row::kAlongLink;
+    if (joint) direction = Vec3::Unit(rows[link.row].axis);
+    double rate = direction.dot(rate_of_way);
+    if (!link.soft) rate = mechanism_.rate()[link.row];
+    double tension = unknown_[at], damping = 0;
+    double& out = residual_[at];
+    const double scaled = column_scale_[at];
+    if (problem.law == Problem::Law::projection) {
+      const bool held = on_[k] != 0;
+      out = held ? direction.dot(rate_of_way) + violation_[k] : tension / scaled;
+      row(at, gap, held ? direction : Vec3(Vec3::Zero()));
+      put(at, at, held ? -kProximal : 1.0);
+      if (!held) tension = 0;
+    } else if (link.soft && !problem.forces) {  // no impulse comes from what stretches
+      out = tension / scaled;
+      row(at, gap, Vec3::Zero());
+      put(at, at, 1.0);
+    } else {
+      const Vec3 turning = (rate_of_way - direction.dot(rate_of_way) * direction) * inverse;
+      Vec3 slope = direction;
+      if (!joint) slope += problem.advance * turning;
+      double by_rate = 1, by_tension = -kProximal;
+      if (link.soft) {
+        const auto& stretch = stretches[link.row];
+        const double compliance = problem.inertia / stretch.stiffness;
+        out = rate - compliance * (tension - loose_[k]);
+        by_tension -= compliance * scaled;
+        damping = stretch.damping;
+      } else if (link.pulls) {
+        if (on_[k] == 0) {
+          out = tension / scaled;
+          by_rate = 0;
+          by_tension = 1;
+        } else {
+          const auto law = complementarity(tension / scaled, -rate, kappa);
+          out = law.value;
+          by_rate = -law.by_w;
+          by_tension = law.by_p + (law.by_w > 0 ? kProximal : 0);
+        }
+      } else {
+        out = rate;
+      }
+      row(at, gap, by_rate * slope);
+      put(at, at, by_tension);
+    }
+    const double pull = tension + damping * rate;
+    push(gap, -pull * direction);
+    column(at, gap, direction);
+    if (!problem.forces) continue;
+    const Mat3 along = direction * direction.transpose();
+    Mat3 stiffness = Mat3::Zero();
+    if (!joint) stiffness = problem.advance * pull * inverse * (Mat3::Identity() - along);
+    if (damping > 0) stiffness += damping * along;
+    block(gap, gap, stiffness);
+  }
+}
+
+void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Candidate& of = touches_.candidates()[contacts_[c].candidate];
+    const Meeting& at = meetings_[c];
+    const std::size_t first = first_contact_ + 3 * c;
+    const Relative gap = relative(of, at);
+    const Vec3& n = at.normal;
+    const double scaled = column_scale_[first];
+    const Vec3 force = vec(&unknown_[first]);
+    const Vec3 p = force / scaled;  // m/s
+    const Vec3 v = touches_.passing(mechanism_, contacts_[c].candidate, at, state_.data());
+    const Mat3 along = n * n.transpose(), across = Mat3::Identity() - along;
+    Vec3 out;
+    Mat3 by_p, by_v;
+    if (problem.law == Problem::Law::projection) {
+      // v is a displacement, but for the part of the obstacle's own.
+      const Vec3 moved = v + (of.obstacle != kNone ? at.surface : Vec3(Vec3::Zero()));
+      const bool held = law_[c] != 0;
+      out = held ? Vec3((n.dot(moved) + at.gap) * n + across * p) : p;
+      by_p = held ? Mat3(across + kProximal * along) : Mat3::Identity();
+      by_v = held ? along : Mat3(Mat3::Zero());
+    } else {
+      const double pn = n.dot(p), w = n.dot(v) - bounce_[c];
+      const auto law = complementarity(pn, w, kappa);
+      const Vec3 pt = across * p, u = across * v;
+      const Contact& contact = contacts_[c];
+      // A contact that slides back within a step slides forwards until it rests, and one at rest
+      // that static friction holds stays there: what ends that ends the step (first_arrival()).
+      const bool sliding = std::ranges::find(reversing_, contact.candidate) != reversing_.end();
+      const bool held = problem.forces && contact.sticks && of.stick != of.slide;
+      const double friction = contact.sticks ? of.stick : of.slide;
+      const bool frozen = problem.forces && sliding && u.dot(contact.slip) <= 0;
+      const Vec3 z = pt - u;
+      const double size = z.norm(), bound = held ? 2 * size + 1 : friction * std::max(pn, 0.0);
+      out = law.value * n;
+      by_p = (law.by_p + (law.by_w > 0 ? kProximal : 0)) * along;
+      by_v = law.by_w * along;
+      const bool stuck = size < bound && !frozen;
+      if (kappa > 0 && !frozen && !held) {
+        // The projection onto Coulomb's disc with max(a, b) = (a + b + sqrt((a - b)^2 + 4 kappa))
+        // / 2.
+        const double root_p = std::sqrt(pn * pn + 4 * kappa), s = std::sqrt(size * size + kappa);
+        const double b = friction * (pn + root_p) / 2, by_pn = friction * (1 + pn / root_p) / 2;
+        const double root = std::sqrt((b - s) * (b - s) + 4 * kappa), m = (b + s + root) / 2;
+        const double m_b = (1 + (b - s) / root) / 2, m_s = (1 - (b - s) / root) / 2;
+        const Mat3 by_z = b / m * across - b * m_s / (m * m * s) * z * z.transpose();
+        out += pt - b / m * z;
+        by_p += across - by_z - by_pn * (1 / m - b * m_b / (m * m)) * z * n.transpose();
+        by_v += by_z;
+      } else if (stuck) {
+        out += u;
+        by_v += across;
+        by_p += kProximal * across;
+      } else if (frozen) {
+        const Vec3 way = contact.slip.normalized();
+        out += pt + bound * (across * way);
+        by_p += across + (pn > 0 ? friction : 0.0) * way * n.transpose();
+      } else if (bound > 0) {
+        const Vec3 way = z / size;
+        out += pt - bound * way;
+        const Mat3 turn = bound / size * (across - way * way.transpose());
+        by_p += across - turn - friction * way * n.transpose();
+        by_v += turn;
+      } else {
+        out += pt;
+        by_p += across;
+      }
+      if (problem.advance > 0 && assembles_) {
+        // The normal turns as the place changes.
+        const Mat3 turns = problem.advance * touches_.curvature(mechanism_, contacts_[c].candidate,
+                                                                at, state_.data());
+        by_v += law.by_w * n * (v.transpose() * turns) + law.by_p * n * (p.transpose() * turns);
+        by_v -= (stuck ? w : pn) * turns;
+      }
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      residual_[first + i] = out[static_cast<int>(i)];
+      row(first + i, gap, by_v.row(static_cast<int>(i)).transpose());
+      for (std::size_t j = 0; j < 3; ++j) {
+        put(first + i, first + j, by_p(static_cast<int>(i), static_cast<int>(j)));
+      }
+      column(first + i, gap, -Vec3::Unit(static_cast<int>(i)));
+    }
+    push(gap, force);
+  }
+}
+
+void ImplicitStep::assemble(const Problem& problem, double kappa) {
+  system_ = problem.forces ? &stage_system_ : &jump_system_;
+  if (assembles_) system_->clear();
+  std::ranges::fill(residual_, 0.0);
+  assemble_inertia(problem);
+  if (problem.forces) {
+    assemble_materials(problem);
+    assemble_twists(problem);
+  }
+  assemble_links(problem, kappa);
+  assemble_contacts(problem, kappa);
+}
+
+/// The solution of the system with the moments of twisted rods (Sherman and Morrison).
+void ImplicitStep::solve_with_twists() {
+  const auto dot = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
+  };
+  const auto correct = [&](std::size_t count, std::vector<double>& solution) {
+    for (std::size_t j = 0; j < count; ++j) {
+      const Twisted& rod = twisted_[j];
+      const double by = dot(rod.row, solution) / (1 + dot(rod.row, rod.solved));
+      for (std::size_t i = 0; i < solution.size(); ++i) solution[i] -= by * rod.solved[i];
+    }
+  };
+  for (std::size_t j = 0; j < twisted_.size(); ++j) {
+    twisted_[j].solved = twisted_[j].column;
+    stage_system_.solve(twisted_[j].solved);
+    correct(j, twisted_[j].solved);
+  }
+  stage_system_.solve(residual_);
+  correct(twisted_.size(), residual_);
+}
+
+void ImplicitStep::assemble_twists(const Problem& problem) {
+  const auto& material = mechanism_.material();
+  const double* places = state_.data();
+  const double* velocities = &state_[mechanism_.velocity(0)];
+  twisted_.resize(material.twists().size());
+  for (std::size_t j = 0; j < twisted_.size(); ++j) {
+    const material::TwistElement& rod = material.twists()[j];
+    Twisted& made = twisted_[j];
+    made.column.assign(unknowns_, 0.0);
+    material.twist_slope(rod, places, slope_);
+    const double moment = rod.stiffness * material.twist(rod, places) +
+                          rod.damping * material.twist_rate(rod, places, velocities);
+    const double stiffness = problem.advance * rod.stiffness + rod.damping;
+    for (std::uint32_t i = 0; i <= rod.links; ++i) {
+      Relative at;
+      add_handles(material.point_of(rod, i), 1, at);
+      for (const Handle& handle : at.all()) {
+        vec(&made.column[handle.at]) += slope_[i];
+        if (handle.body) vec(&made.column[handle.at + 3]) += handle.arm.cross(slope_[i]);
+      }
+      push(at, -moment * slope_[i]);
+    }
+    made.row = made.column;
+    for (std::size_t u = 0; u < unknowns_; ++u) {
+      made.column[u] *= row_scale_[u];
+      made.row[u] *= stiffness * column_scale_[u];
+    }
+    for (std::uint32_t k = 0; k + 1 < rod.links; ++k) {
+      const std::uint32_t a = material.point_of(rod, k), b = material.point_of(rod, k + 1),
+                          c = material.point_of(rod, k + 2);
+      const Vec3 e0 = vec(places + 3 * b) - vec(places + 3 * a);
+      const Vec3 e1 = vec(places + 3 * c) - vec(places + 3 * b);
+      const auto second = material::Carry(e0, e1).second();
+      const Relative first = relative(a, b), next = relative(b, c);
+      const double h = problem.advance * moment;
+      block(first, first, h * second.e0_e0);
+      block(first, next, h * second.e0_e1);
+      block(next, first, h * second.e0_e1.transpose());
+      block(next, next, h * second.e1_e1);
+    }
+  }
+}
+
+/// Newton's method; a factorised matrix serves as long as corrections fall fast. True once
+/// velocities err by less than `enough` (m/s).
+bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, double enough) {
+  constexpr double kShortest = 1.0 / 64, kFast = 0.1;
+  const double longest = problem.advance > 0 ? 0.5 * shortest_ / problem.advance
+                                             : std::numeric_limits<double>::infinity();
+  double last = std::numeric_limits<double>::infinity(), part = 0, fastest = 0;
+  bool keeps = problem.forces && reuses_;
+  reuses_ = false;
+  for (int i = 0; i < most;) {
+    check_stop();
+    place_unknowns(problem);
+    if (i == 0) scale(problem);
+    assembles_ = !(keeps && kappa <= 0);
+    assemble(problem, kappa);
+    double sum = 0;
+    for (std::size_t u = 0; u < unknowns_; ++u) {
+      residual_[u] *= -row_scale_[u];
+      sum += residual_[u] * residual_[u];
+    }
+    if (kappa > 0 && !(sum <= last) && part > kShortest) {  // half the way
+      part /= 2;
+      for (std::size_t u = 0; u < unknowns_; ++u) unknown_[u] -= part * way_[u];
+      continue;
+    }
+    last = sum;
+    ++i;
+    if (assembles_ && !system_->factorise()) return false;
+    if (problem.forces) {
+      solve_with_twists();
+    } else {
+      jump_system_.solve(residual_);
+    }
+    double most_by = 0;
+    for (std::size_t u = 0; u < first_link_; ++u) {
+      most_by = std::max(most_by, std::abs(residual_[u]));
+      if (!std::isfinite(residual_[u])) return false;
+    }
+    if (!assembles_ && i > 1 && most_by > enough && most_by > kFast * fastest) {
+      keeps = false;  // the matrix of another place serves no longer
+      continue;
+    }
+    fastest = most_by;
+    part = fastest > longest ? longest / fastest : 1;
+    way_.resize(unknowns_);
+    for (std::size_t u = 0; u < unknowns_; ++u) {
+      way_[u] = column_scale_[u] * residual_[u];
+      unknown_[u] += part * way_[u];
+    }
+    if (fastest <= enough) return true;
+    keeps = part == 1;
+  }
+  return false;
+}
+
+bool ImplicitStep::solve(const Problem& problem) {
+  const double enough = std::max(accuracy_, 1e-10 * speed_);
+  const bool one_sided = !contacts_.empty() ||
+                         std::ranges::any_of(links_, [](const Link& link) { return link.pulls; });
+  const std::vector<double> start = unknown_;
+  bool found = iterate(problem, -1, 15, enough);
+  if (!found && one_sided) {
+    unknown_ = start;
+    found = true;
+    const double square = speed_ * speed_;
+    for (const double kappa : {1e-2, 1e-4, 1e-7, 1e-10}) {
+      found =
+          iterate(problem, kappa * square, 20, std::max(1e-2 * std::sqrt(kappa) * speed_, enough));
+      if (!found) break;
+    }
+    found = found && iterate(problem, -1, 15, enough);
+  }
+  if (!found) return false;
+  place_unknowns(problem);
+  return true;
+}
+
+/// Moves places to the lengths of links and to the surfaces of contacts, and velocities to the
+/// rates that these allow.
+bool ImplicitStep::project(StepState& to) {
+  Problem problem{.law = Problem::Law::projection, .time = to.time};
+  const auto& stretches = mechanism_.material().stretches();
+  bool placed = false;
+  for (int i = 0; i < 8 && !placed; ++i) {
+    base_ = to.state;
+    for (std::size_t b = 0; b < body_.size(); ++b) {
+      start_turn_[b] = quaternion(&base_[mechanism_.pose(b) + 3]);
+      turn_[b].setZero();
+    }
+    std::ranges::fill(unknown_, 0.0);
+    std::ranges::fill(wanted_, 0.0);
+    place_unknowns(problem);
+    double worst = 0;
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+      const Link& link = links_[k];
+      if (!link.soft) {
+        violation_[k] = mechanism_.violation()[link.row];
+        if (link.pulls && violation_[k] < 0 && to.tension[k] <= 0) on_[k] = 0;
+      } else {
+        const auto& stretch = stretches[link.row];
+        const double length =
+            (vec(&state_[mechanism_.position(link.b)]) - vec(&state_[mechanism_.position(link.a)]))
+                .norm();
+        violation_[k] = length - stretch.rest - to.tension[k] / stretch.stiffness;
+      }
+      // Held ends have velocities of their own, which are no displacements.
+      const auto held = [&](std::uint32_t p) { return node_[p] == kNone && carried_[p] == kNone; };
+      Vec3 own = Vec3::Zero();
+      if (held(link.b)) own += vec(&state_[mechanism_.velocity(link.b)]);
+      if (held(link.a)) own -= vec(&state_[mechanism_.velocity(link.a)]);
+      if (on_[k] != 0) worst = std::max(worst, std::abs(violation_[k]));
+      if (!own.isZero(0)) {
+        const bool joint = !link.soft && mechanism_.rows()[link.row].axis != Row::kAlongLink;
+        const Vec3 way =
+            vec(&state_[mechanism_.position(link.b)]) - vec(&state_[mechanism_.position(link.a)]);
+        violation_[k] -=
+            (joint ? Vec3(Vec3::Unit(mechanism_.rows()[link.row].axis)) : Vec3(way.normalized()))
+                .dot(own);
+      }
+    }
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      law_[c] = law_[c] || meetings_[c].gap < 0;
+      if (law_[c]) worst = std::max(worst, std::abs(meetings_[c].gap));
+    }
+    placed = worst <= exact_;
+    if (placed) break;
+    if (!iterate(problem, -1, 1, 1e300)) return false;
+    for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+      if (mechanism_.inverse_mass()[p] == 0) continue;
+      vec(&to.state[mechanism_.position(p)]) += vec(&unknown_[node_[p]]);
+    }
+    for (std::size_t b = 0; b < body_.size(); ++b) {
+      vec(&to.state[mechanism_.pose(b)]) += vec(&unknown_[body_[b]]);
+      rotate(vec(&unknown_[body_[b] + 3]), &to.state[mechanism_.pose(b) + 3]);
+    }
+    placed = worst < 1e-7 * shortest_ && worst * worst / shortest_ < exact_ && i > 0;
+  }
+  return placed;
+}
+
+/// Velocities after the impacts of a moment.
+bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
+  Problem problem{.time = to.time};
+  base_ = to.state;
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    start_turn_[b] = quaternion(&base_[mechanism_.pose(b) + 3]);
+    turn_[b].setZero();
+  }
+  gather(before, wanted_);
+  std::ranges::copy(wanted_, unknown_.begin());
+  std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
+  if (!solve(problem)) return false;
+  to.state = state_;
+  return true;
+}
+
+double ImplicitStep::distance(const StepState& one, const StepState& other, double time) {
+  moved_.assign(unknowns_, 0.0);
+  residual_.assign(unknowns_, 0.0);
+  const auto part = [&](std::size_t at) {
+    return Vec3(vec(&one.state[at]) - vec(&other.state[at]));
+  };
+  // The change x of places and v of velocities, d of each before: v = (x - dx) inertia and
+  // M v inertia + K x = M dv inertia, with the stage's matrix A = M inertia + K / inertia:
+  // A x = M (dv + dx inertia). Tensions and forces at contacts follow x as they follow places.
+  const double inertia = stage_inertia_;
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    const std::size_t at = node_[p];
+    vec(&moved_[at]) = part(mechanism_.position(p));
+    vec(&residual_[at]) = part(mechanism_.velocity(p)) + inertia * vec(&moved_[at]);
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const std::size_t pose = mechanism_.pose(b), twist = mechanism_.twist(b), at = body_[b];
+    const auto& body = mechanism_.bodies()[b];
+    const Quat to = quaternion(&one.state[pose + 3]);
+    vec(&moved_[at]) = part(pose);
+    vec(&moved_[at + 3]) = angle(to * quaternion(&other.state[pose + 3]).conjugate());
+    vec(&residual_[at]) = part(twist) + inertia * vec(&moved_[at]);
+    const Mat3 turn = to.normalized().toRotationMatrix();
+    vec(&residual_[at + 3]) = turn * body.inertia * turn.transpose() *
+                              (part(twist + 3) + inertia * vec(&moved_[at + 3])) /
+                              std::max(body.inertia.diagonal().maxCoeff(), 1e-300);
+  }
+  // What is held moves as the difference does.
+  const auto moves = [&](const Relative& of) {
+    Vec3 sum = Vec3::Zero();
+    for (const Handle& at : of.all()) {
+      sum += at.weight * vec(&moved_[at.at]);
+      if (at.body) sum += at.weight * vec(&moved_[at.at + 3]).cross(at.arm);
+    }
+    return sum;
+  };
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Link& link = links_[k];
+    if (link.soft || on_[k] == 0) continue;
+    const int axis = mechanism_.rows()[link.row].axis;
+    const Vec3 way =
+        vec(&state_[mechanism_.position(link.b)]) - vec(&state_[mechanism_.position(link.a)]);
+    const Vec3 direction =
+        axis == Row::kAlongLink ? Vec3(way.normalized()) : Vec3(Vec3::Unit(axis));
+    residual_[first_link_ + k] = inertia * direction.dot(moves(relative(link.a, link.b)));
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Candidate& of = touches_.candidates()[contacts_[c].candidate];
+    const Vec3& n = meetings_[c].normal;
+    if (!other.contacts[c].presses) continue;
+    vec(&residual_[first_contact_ + 3 * c]) =
+        inertia * n.dot(moves(relative(of, meetings_[c]))) * n;
+  }
+  solve_with_twists();
+  sped_.resize(first_link_);
+  for (std::size_t u = 0; u < first_link_; ++u) {
+    sped_[u] = residual_[u] - inertia * moved_[u];
+    moved_[u] = residual_[u] / inertia;
+  }
+  double sum = 0, count = 0;
+  const auto add = [&](std::size_t at, double arm) {
+    sum +=
+        arm * arm * (vec(&moved_[at]).squaredNorm() + time * time * vec(&sped_[at]).squaredNorm());
+  };
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    add(node_[p], 1);
+    ++count;
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const auto& body = mechanism_.bodies()[b];
+    add(body_[b], 1);
+    add(body_[b] + 3, std::sqrt(body.inertia.norm() * body.inverse_mass));
+    ++count;
+  }
+  return std::sqrt(sum / std::max(count, 1.0));
+}
+
+void ImplicitStep::extrapolate(double share, StepState& one) const {
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    vec(&one.state[mechanism_.position(p)]) += share * vec(&moved_[node_[p]]);
+    vec(&one.state[mechanism_.velocity(p)]) += share * vec(&sped_[node_[p]]);
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const std::size_t at = body_[b];
+    vec(&one.state[mechanism_.pose(b)]) += share * vec(&moved_[at]);
+    rotate(share * vec(&moved_[at + 3]), &one.state[mechanism_.pose(b) + 3]);
+    vec(&one.state[mechanism_.twist(b)]) += share * vec(&sped_[at]);
+    vec(&one.state[mechanism_.twist(b) + 3]) += share * vec(&sped_[at + 3]);
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const std::size_t at = first_link_ + k;
+    if (links_[k].soft) one.tension[k] += share * column_scale_stage_[at] * residual_[at];
+  }
+}
+
+void ImplicitStep::gather(std::span<const double> state, std::vector<double>& unknowns) const {
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    std::copy_n(&state[mechanism_.velocity(p)], 3, &unknowns[node_[p]]);
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    std::copy_n(&state[mechanism_.twist(b)], 6, &unknowns[body_[b]]);
+  }
+}
+
+/// All candidates whose gap is closed, with what is known of them.
+void ImplicitStep::find_contacts(const StepState& at, double touching,
+                                 std::vector<Contact>& contacts) {
+  contacts.clear();
+  for (std::uint32_t i = 0; i < touches_.candidates().size(); ++i) {
+    const Meeting meeting = touches_.meet(mechanism_, i, at.state.data());
+    if (meeting.gap > touching || !touches_.is_distinct(mechanism_, i, at.state.data())) continue;
+    const auto known = std::ranges::find(contacts_, i, &Contact::candidate);
+    contacts.push_back(known != contacts_.end() ? *known : Contact{.candidate = i});
+  }
+}
+
+bool ImplicitStep::load(const World& world, StepState& to, double touching) {
+  world_ = &world;
+  mechanism_.load(world, to.state);
+  to.time = world.time;
+  to.rate.clear();
+  to.tension.assign(links_.size(), 0.0);
+  to.taut.assign(links_.size(), 1);
+  shortest_ = std::numeric_limits<double>::infinity();
+  length_ = 0;
+  for (const Connector& connector : world.connectors) {
+    length_ = std::max(length_, connector.length);
+    for (const double rest : connector.rest) {
+      if (rest > 0) shortest_ = std::min(shortest_, rest);
+    }
+  }
+  if (!(length_ > 0)) length_ = 1;
+  if (!std::isfinite(shortest_)) shortest_ = length_;
+  exact_ = 64 * std::numeric_limits<double>::epsilon() * length_;
+  mechanism_.place_and_measure(to.time, to.state.data());
+  touches_.place(world, to.time);
+  measure_speed(to);
+  const auto& stretches = mechanism_.material().stretches();
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Link& link = links_[k];
+    if (link.soft) {
+      const auto& stretch = stretches[link.row];
+      const double length = (vec(&to.state[mechanism_.position(link.b)]) -
+                             vec(&to.state[mechanism_.position(link.a)]))
+                                .norm();
+      to.tension[k] = stretch.stiffness * (length - stretch.rest);
+    } else if (link.pulls) {
+      to.taut[k] = mechanism_.violation()[link.row] >= -touching;
+    }
+  }
+  contacts_.clear();
+  find_contacts(to, touching, to.contacts);
+  contacts_ = to.contacts;
+  lay_out(to);
+  const std::vector<double> before = to.state;
+  if (!project(to)) return false;
+  mechanism_.place_and_measure(to.time, to.state.data());
+  if (!jump(to, before)) return false;
+  keep_contacts(to);
+  return true;
+}
+
+void ImplicitStep::measure_speed(const StepState& at) {
+  double fastest = std::sqrt(mechanism_.gravity().norm() * shortest_);
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    fastest = std::max(fastest, vec(&at.state[mechanism_.velocity(p)]).norm());
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    fastest = std::max(fastest, vec(&at.state[mechanism_.twist(b)]).norm());
+  }
+  speed_ = std::max(fastest, 1e-6 * length_);
+}
+
+/// Notes whether contacts slide, and which friction holds those at rest.
+void ImplicitStep::keep_contacts(StepState& to) {
+  touches_.place(*world_, to.time);
+  to.contacts = contacts_;
+  for (Contact& contact : to.contacts) {
+    const Meeting at = touches_.meet(mechanism_, contact.candidate, to.state.data());
+    const Vec3 v = touches_.passing(mechanism_, contact.candidate, at, to.state.data());
+    const Vec3 was = contact.slip;
+    contact.slip = v - at.normal.dot(v) * at.normal;
+    const bool slid = !was.isZero(0), rests = contact.slip.norm() <= lowest_slip_;
+    if (rests) contact.slip.setZero();
+    const Candidate& of = touches_.candidates()[contact.candidate];
+    const double push = std::max(contact.force.dot(at.normal), 0.0);
+    const double pull = (contact.force - contact.force.dot(at.normal) * at.normal).norm();
+    if (!rests) {
+      contact.sticks = false;
+    } else if (of.stick == of.slide) {
+      contact.sticks = true;
+    } else if (contact.sticks) {
+      contact.sticks = pull <= (1 - kBarely) * of.stick * push;
+    } else {
+      contact.sticks = slid || pull <= of.slide * push;
+    }
+  }
+}
+
+void ImplicitStep::store(const StepState& from, World& world) {
+  mechanism_.store(from.state, from.time, world);
+}
+
+/// When the first thing arrives that was apart at the start: s, beyond h where nothing does.
+double ImplicitStep::first_arrival(const StepState& from, const StepState& to, double h,
+                                   double touching) {
+  std::vector<std::uint32_t> reverses;
+  double first = std::numeric_limits<double>::infinity();
+  // The gap was `open` and is `deep` inside.
+  const auto note = [&](double open, double deep) {
+    if (deep <= touching) return;
+    first = std::min(first,
+                     h * std::clamp(std::max(open, 0.0) / (std::max(open, 0.0) + deep), 0.0, 1.0));
+  };
+  std::size_t known = 0;
+  for (std::uint32_t i = 0; i < touches_.candidates().size(); ++i) {
+    while (known < contacts_.size() && contacts_[known].candidate < i) ++known;
+    if (known < contacts_.size() && contacts_[known].candidate == i) continue;
+    const Meeting now = touches_.meet(mechanism_, i, to.state.data());
+    if (now.gap >= -touching || !touches_.is_distinct(mechanism_, i, to.state.data())) continue;
+    touches_.place(*world_, from.time);
+    const Meeting was = touches_.meet(mechanism_, i, from.state.data());
+    touches_.place(*world_, to.time);
+    note(was.gap, -now.gap);
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact &was = from.contacts[c], &now = to.contacts[c];
+    const Candidate& of = touches_.candidates()[was.candidate];
+    const Meeting at = touches_.meet(mechanism_, was.candidate, to.state.data());
+    if (!now.presses) continue;
+    if (!was.slip.isZero(0)) {  // it comes to rest, or slides back
+      const double speed = was.slip.norm();
+      const Vec3 v = touches_.passing(mechanism_, was.candidate, at, to.state.data());
+      const double ahead = v.dot(was.slip) / speed;
+      if (ahead >= -lowest_slip_) continue;
+      first = std::min(first, h * speed / (speed - ahead));
+      reverses.push_back(was.candidate);
+    } else if (was.sticks && of.stick != of.slide) {  // static friction no longer holds it
+      const auto ratio = [&](const Vec3& force) {
+        const double push = force.dot(at.normal);
+        return (force - push * at.normal).norm() / std::max(of.stick * push, 1e-300);
+      };
+      const double before = std::min(ratio(was.force), 1.0), after = ratio(now.force);
+      if (after > 1 + kBarely) first = std::min(first, h * (1 - before) / (after - before));
+    }
+  }
+  if (!reverses.empty()) reversing_ = std::move(reverses);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    if (!links_[k].pulls || on_[k] != 0) continue;
+    const auto length = [&](const StepState& at) {
+      return (vec(&at.state[mechanism_.position(links_[k].b)]) -
+              vec(&at.state[mechanism_.position(links_[k].a)]))
+          .norm();
+    };
+    const double rest = mechanism_.rows()[links_[k].row].rest;
+    note(rest - length(from), length(to) - rest);
+  }
+  return first;
+}
+
+/// Moves the velocities on by `time` (s) at a rate, as a start of Newton's method.
+void ImplicitStep::guess(double time, const std::vector<double>& rate) {
+  for (std::size_t u = 0; u < rate.size(); ++u) unknown_[u] += time * rate[u];
+}
+
+ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double touching,
+                                        bool stops, StepState& to) {
+  contacts_ = from.contacts;
+  measure_speed(from);
+  lay_out(from);
+  const double inner = kGamma * h, outer = (1 - kGamma) * h;
+  std::vector<double> start(first_link_);
+  gather(from.state, start);
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    start_turn_[b] = quaternion(&from.state[mechanism_.pose(b) + 3]);
+    turn_[b].setZero();
+  }
+  base_ = from.state;
+  wanted_ = start;
+  loose_ = from.tension;
+  std::ranges::copy(start, unknown_.begin());
+  std::ranges::copy(from.tension, unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_));
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    vec(&unknown_[first_contact_ + 3 * c]) = contacts_[c].force;
+  }
+  Problem problem{
+      .inertia = 1 / inner, .advance = inner, .forces = true, .time = from.time + inner};
+  stage_inertia_ = problem.inertia;
+  touches_.place(*world_, problem.time);
+  guess(inner, from.rate);
+  if (!solve(problem)) return Result::failed;
+  // The second stage starts from what the first has done.
+  const double ratio = outer / inner;
+  to.rate.resize(first_link_);
+  for (std::size_t u = 0; u < first_link_; ++u) {
+    to.rate[u] = (unknown_[u] - start[u]) / inner;
+    wanted_[u] = start[u] + outer * to.rate[u];
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    loose_[k] = from.tension[k] + ratio * (unknown_[first_link_ + k] - from.tension[k]);
+  }
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    vec(&base_[mechanism_.position(p)]) += outer * vec(&unknown_[node_[p]]);
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    vec(&base_[mechanism_.pose(b)]) += outer * vec(&unknown_[body_[b]]);
+    turn_[b] = outer * vec(&unknown_[body_[b] + 3]);
+  }
+  problem.time = from.time + h;
+  touches_.place(*world_, problem.time);
+  guess(outer, to.rate);
+  reuses_ = contacts_.empty();
+  if (!solve(problem)) return Result::failed;
+  column_scale_stage_ = column_scale_;
+  for (std::size_t u = 0; u < first_link_; ++u) to.rate[u] = (unknown_[u] - wanted_[u]) / inner;
+  to.time = from.time + h;
+  to.state = state_;
+  to.tension.assign(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_),
+                    unknown_.begin() + static_cast<std::ptrdiff_t>(first_contact_));
+  to.taut = from.taut;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    contacts_[c].force = vec(&unknown_[first_contact_ + 3 * c]);
+    contacts_[c].presses = contacts_[c].force.dot(meetings_[c].normal) > 0;
+  }
+  to.contacts = contacts_;
+  if (!stops) return Result::done;
+  arrival_ = first_arrival(from, to, h, touching);
+  return std::isfinite(arrival_) ? Result::arrives : Result::done;
+}
+
+std::uint64_t StepState::pattern() const {
+  std::uint64_t hash = 1469598103934665603u;
+  const auto take = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
+  for (const Contact& contact : contacts) {
+    if (!contact.presses) continue;
+    take(contact.candidate);
+    take(contact.slip.isZero(0) ? 1 : 0);
+  }
+  for (std::size_t k = 0; k < taut.size(); ++k) {
+    if (taut[k] == 0) take(k);
+  }
+  return hash;
+}
+
+bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
+  jumped_ = false;
+  contacts_ = to.contacts;
+  lay_out(to);
+  touches_.place(*world_, to.time);
+  for (std::size_t c = 0; c < contacts_.size(); ++c) law_[c] = contacts_[c].presses;
+  std::vector<double> before = to.state;
+  if (!project(to)) return false;
+  mechanism_.place_and_measure(to.time, to.state.data());
+  if (!jumps) return true;
+  // What stops moves others a little, which may arrive by that.
+  for (int round = 0; round < kRounds; ++round) {
+    bool arrives = false;
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+      if (!links_[k].pulls) continue;
+      const bool now = mechanism_.violation()[links_[k].row] >= -touching;
+      if (now && !to.taut[k] && mechanism_.rate()[links_[k].row] > 0) arrives = true;
+      to.taut[k] = now;
+    }
+    std::vector<Contact> contacts;
+    find_contacts(to, touching, contacts);
+    std::vector<double> bounce;
+    for (const Contact& contact : contacts) {
+      const bool was =
+          std::ranges::find(contacts_, contact.candidate, &Contact::candidate) != contacts_.end();
+      const Meeting at = touches_.meet(mechanism_, contact.candidate, to.state.data());
+      const double speed =
+          at.normal.dot(touches_.passing(mechanism_, contact.candidate, at, to.state.data()));
+      const Candidate& of = touches_.candidates()[contact.candidate];
+      bounce.push_back(0);
+      if (was || speed >= -lowest_slip_) continue;
+      arrives = true;
+      if (-speed * of.restitution > lowest_bounce_) bounce.back() = -speed * of.restitution;
+    }
+    contacts_ = std::move(contacts);
+    if (!arrives) break;
+    jumped_ = true;
+    lay_out(to);
+    bounce_ = std::move(bounce);
+    before = to.state;
+    if (!jump(to, before)) return false;
+    to.rate.clear();
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      law_[c] = vec(&unknown_[first_contact_ + 3 * c]).dot(meetings_[c].normal) > 0;
+    }
+    if (!project(to)) return false;
+    mechanism_.place_and_measure(to.time, to.state.data());
+  }
+  keep_contacts(to);
+  return true;
+}
+
+}  // namespace taut::direct

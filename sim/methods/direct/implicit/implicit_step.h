@@ -1,0 +1,202 @@
+// One implicit step of a world with any combination of features.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/links/mechanism.h"
+#include "sim/methods/direct/implicit/linear_system.h"
+#include "sim/methods/direct/implicit/touches.h"
+
+namespace taut::direct {
+
+/// A state of the world from which a step may start.
+struct StepState {
+  double time = 0;              // s
+  std::vector<double> state;    // as Mechanism has it
+  std::vector<double> tension;  // N, per link: of the elastic part where it stretches
+  std::vector<double> rate;     // of the unknown velocities, per second; empty after a jump
+  /// A contact: a candidate whose gap is closed.
+  struct Contact {
+    std::uint32_t candidate = 0;
+    Vec3 force = Vec3::Zero();  // N, of the last stage
+    Vec3 slip = Vec3::Zero();   // m/s, across the normal; zero below what counts as rest
+    bool sticks = true;         // at rest, with static friction
+    bool presses = false;       // in the last stage
+  };
+  std::vector<Contact> contacts;  // by candidates
+  std::vector<char> taut;         // per link: of a string, at its length
+  /// Of what presses, pulls and slides, as a number.
+  std::uint64_t pattern() const;
+};
+
+/// SDIRK of order 2 (Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J.
+/// Numer. Anal. 14, 1977; gamma = 1 - 1/sqrt 2, L-stable, stiffly accurate) for the velocities,
+/// with all conditions on rates: links keep their lengths, closed contacts their gaps. Stages are
+/// solved by Newton's method on velocities, tensions and contact forces together. After the step,
+/// places are projected onto lengths and surfaces. Arrivals (a bead at a surface, a string at its
+/// length) end a step; then velocities jump by the law of impact.
+class ImplicitStep {
+ public:
+  void rebuild(const World& world);
+  /// Reads the world's state, and makes places and velocities consistent. False where that fails.
+  bool load(const World& world, StepState& to, double touching);
+  void store(const StepState& from, World& world);
+
+  enum class Result {
+    done,
+    arrives,  // something arrives on the way, at arrival()
+    failed,   // Newton's method found no solution
+  };
+  /// The two stages of a step of `h` (s). With `stops` set it looks for what arrives on the way and
+  /// ends more than `touching` (m) inside. Call finish() with what it makes.
+  Result step(const StepState& from, double h, double touching, bool stops, StepState& to);
+  /// Puts places onto lengths and surfaces. With `jumps` set, what is nearer than `touching` (m)
+  /// becomes a contact, and what has arrived stops or bounces.
+  bool finish(StepState& to, double touching, bool jumps);
+  /// Velocities of points and twists of bodies, as unknowns.
+  void gather(std::span<const double> state, std::vector<double>& unknowns) const;
+  std::size_t velocities() const { return first_link_; }
+  /// Whether velocities jumped in the last finish().
+  bool jumped() const { return jumped_; }
+  /// Call after a step that goes on: what slides may slide back in the next one.
+  void accept() { reversing_.clear(); }
+  /// The distance (m) of the ends of two steps from one state, RMS over points and bodies, with
+  /// velocities times `time` (s). The matrix of the last stage filters the difference: a motion
+  /// much faster than the step counts less (Hairer and Wanner, Solving ODEs II, IV.8).
+  double distance(const StepState& one, const StepState& other, double time);
+  /// Moves `one` of the last distance() by a share of the filtered difference. With the filter,
+  /// Richardson's extrapolation stays stable for undamped oscillations of any frequency.
+  void extrapolate(double share, StepState& one) const;
+  double arrival() const { return arrival_; }  // s after the start, estimated
+
+  const Mechanism& mechanism() const { return mechanism_; }
+  Mechanism& mechanism() { return mechanism_; }
+  /// Stages are solved until velocities err by less than this (m/s).
+  void set_accuracy(double speed) { accuracy_ = speed; }
+  std::uint64_t factorisations() const {
+    return stage_system_.factorisations() + jump_system_.factorisations();
+  }
+  /// Bounces slower than `bounce` (m/s) are taken for none, slips slower than `slip` for rest.
+  void set_lowest_speeds(double bounce, double slip) {
+    lowest_bounce_ = bounce;
+    lowest_slip_ = slip;
+  }
+
+ private:
+  using Contact = StepState::Contact;
+  /// A place whose velocity depends on the unknowns at `at`: three of a point, or six of a body.
+  struct Handle {
+    std::uint32_t at = 0;
+    bool body = false;
+    double weight = 0;
+    Vec3 arm = Vec3::Zero();
+  };
+  /// A sum of weighted velocities of places, such as that of one end of a link past the other.
+  struct Relative {
+    std::array<Handle, 4> handles;
+    int count = 0;
+    void add(const Handle& handle) { handles[static_cast<std::size_t>(count++)] = handle; }
+    std::span<const Handle> all() const {
+      return {handles.data(), static_cast<std::size_t>(count)};
+    }
+  };
+  struct Link {
+    std::uint32_t a = 0, b = 0;
+    bool soft = false, pulls = false;
+    std::uint32_t row = 0;  // of the mechanism's rows or stretches
+    double inertia = 1;     // kg, that a tension moves
+  };
+  /// What is asked of the unknowns.
+  struct Problem {
+    enum class Law { contact, projection };
+    Law law = Law::contact;
+    double inertia = 1;  // 1/s: 1 / (gamma h) in a stage, 1 where velocities jump
+    double advance = 0;  // s: gamma h in a stage, 0 where places stay
+    bool forces = false;
+    double time = 0;
+  };
+
+  void lay_out(const StepState& from);
+  void add_handles(std::uint32_t point, double weight, Relative& to) const;
+  Relative relative(std::uint32_t a, std::uint32_t b) const;
+  Relative relative(const Candidate& of, const Meeting& at) const;
+  void push(const Relative& at, const Vec3& force);
+  void block(const Relative& row, const Relative& column, const Mat3& value);
+  void row(std::size_t index, const Relative& column, const Vec3& value);
+  void column(std::size_t index, const Relative& row, const Vec3& value);
+  void put(std::size_t r, std::size_t c, double value) {
+    if (assembles_) system_->add(r, c, value);
+  }
+  void entry(std::size_t r, std::size_t c, double value) {
+    put(r, c, value * row_scale_[r] * column_scale_[c]);
+  }
+  void place_unknowns(const Problem& problem);
+  void scale(const Problem& problem);
+  void assemble(const Problem& problem, double kappa);
+  void assemble_inertia(const Problem& problem);
+  void assemble_materials(const Problem& problem);
+  void assemble_twists(const Problem& problem);
+  void assemble_links(const Problem& problem, double kappa);
+  void assemble_contacts(const Problem& problem, double kappa);
+  void solve_with_twists();
+  bool iterate(const Problem& problem, double kappa, int most, double enough);
+  void guess(double time, const std::vector<double>& rate);
+  bool solve(const Problem& problem);
+  bool project(StepState& to);
+  bool jump(StepState& to, std::span<const double> before);
+  void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);
+  void keep_contacts(StepState& to);
+  void measure_speed(const StepState& at);
+  double first_arrival(const StepState& from, const StepState& to, double h, double touching);
+
+  const World* world_ = nullptr;
+  Mechanism mechanism_;
+  Touches touches_;
+  LinearSystem stage_system_, jump_system_;  // of stages; where velocities or places jump
+  LinearSystem* system_ = &stage_system_;
+  bool assembles_ = true;  // the matrix as well as the residual
+  bool reuses_ = false;    // the matrix of the stage before, to begin with
+  std::vector<Link> links_;
+  std::vector<std::uint32_t> node_;     // per point: its first unknown, or kNone
+  std::vector<std::uint32_t> carried_;  // per point: of body_points(), or kNone
+  std::vector<std::uint32_t> body_;     // per free body: its first unknown
+  std::size_t first_link_ = 0, first_contact_ = 0, unknowns_ = 0;
+  std::vector<Contact> contacts_;         // of the present problem
+  std::vector<std::uint32_t> reversing_;  // candidates that slide forwards to their stop
+  std::vector<char> on_;                  // per link: a rod, or a string that is taut
+  std::vector<std::uint32_t> shape_of_;   // candidates of the present layout
+  std::vector<Meeting> meetings_;         // per contact
+  std::vector<double> bounce_;            // m/s, per contact: asked of an impact
+  std::vector<char> law_;                 // per contact in a projection: held at its surface
+
+  std::vector<double> unknown_, way_, residual_, row_scale_, column_scale_;
+  std::vector<double> base_;    // state at zero velocities: places before the stage's part
+  std::vector<double> wanted_;  // velocities without the stage's own forces, by unknowns
+  std::vector<Vec3> turn_;      // per body: rotation since the step's start before the stage's part
+  std::vector<Quat> start_turn_;
+  std::vector<double> loose_;         // per link: tension before the stage's part
+  std::vector<double> state_;         // of the present unknowns
+  std::vector<Vec3> force_;           // N, per point
+  std::vector<double> violation_;     // m, per link in a projection
+  double speed_ = 1;                  // m/s, typical
+  double accuracy_ = 0;               // m/s
+  double length_ = 1, shortest_ = 1;  // m: of the longest connector, of the shortest link
+  double exact_ = 0;                  // m: roundings of places
+  bool jumped_ = false;
+  double arrival_ = 0, lowest_bounce_ = 0, lowest_slip_ = 0;
+  /// The moment of a rod that is twisted couples all its particles: a column times a row, scaled.
+  struct Twisted {
+    std::vector<double> column, row, solved;
+  };
+  std::vector<Twisted> twisted_;
+  std::vector<Vec3> slope_;
+  double stage_inertia_ = 1;                // of the last step's stages
+  std::vector<double> column_scale_stage_;  // of its last one
+  std::vector<double> moved_, sped_;        // of distance(): places and velocities, by unknowns
+};
+
+}  // namespace taut::direct

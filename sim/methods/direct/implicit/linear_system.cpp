@@ -1,0 +1,217 @@
+#include "sim/methods/direct/implicit/linear_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace taut::direct {
+namespace {
+
+/// A band wider than that goes to the sparse factorisation, which keeps zeros.
+constexpr std::size_t kWidest = 96;
+
+}  // namespace
+
+void LinearSystem::reshape(std::span<const std::uint32_t> groups) {
+  groups_.assign(groups.begin(), groups.end());
+  recording_ = true;
+  places_.clear();
+  recorded_.clear();
+}
+
+void LinearSystem::clear() {
+  next_ = 0;
+  if (recording_) {
+    places_.clear();
+    recorded_.clear();
+  } else {
+    std::ranges::fill(values_, 0.0);
+  }
+}
+
+/// Numbers the unknowns by groups, these by reverse Cuthill-McKee from an end of each component.
+void LinearSystem::order() {
+  const std::size_t count =
+      groups_.empty() ? 0 : std::size_t{*std::ranges::max_element(groups_)} + 1;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const Place& place : places_) {
+    const std::uint32_t a = groups_[place.row], b = groups_[place.column];
+    if (a != b) {
+      edges.emplace_back(a, b);
+      edges.emplace_back(b, a);
+    }
+  }
+  std::ranges::sort(edges);
+  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  std::vector<std::uint32_t> first(count + 1, 0);
+  for (const auto& edge : edges) ++first[edge.first + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  const auto degree = [&](std::uint32_t g) { return first[g + 1] - first[g]; };
+  constexpr std::uint32_t kUnseen = 0xffffffff;
+  std::vector<std::uint32_t> level(count, kUnseen), queue;
+  /// Appends the component of `from` in breadth-first order; neighbours of low degree first.
+  const auto search = [&](std::uint32_t from, std::vector<std::uint32_t>& found) {
+    const std::size_t begin = found.size();
+    found.push_back(from);
+    level[from] = 0;
+    for (std::size_t i = begin; i < found.size(); ++i) {
+      const std::uint32_t at = found[i];
+      const std::size_t added = found.size();
+      for (std::uint32_t e = first[at]; e < first[at + 1]; ++e) {
+        const std::uint32_t next = edges[e].second;
+        if (level[next] != kUnseen) continue;
+        level[next] = level[at] + 1;
+        found.push_back(next);
+      }
+      std::ranges::stable_sort(found.begin() + static_cast<std::ptrdiff_t>(added), found.end(), {},
+                               degree);
+    }
+  };
+  std::vector<std::uint32_t> sequence;
+  for (std::uint32_t g = 0; g < count; ++g) {
+    if (level[g] != kUnseen) continue;
+    std::uint32_t from = g;
+    std::uint32_t depth = 0;
+    for (int sweep = 0; sweep < 4; ++sweep) {  // towards an end of the component
+      queue.clear();
+      search(from, queue);
+      const std::uint32_t last = queue.back(), reached = level[last];
+      for (const std::uint32_t seen : queue) level[seen] = kUnseen;
+      if (sweep > 0 && reached <= depth) break;
+      depth = reached;
+      from = last;
+    }
+    search(from, sequence);
+  }
+  std::ranges::reverse(sequence);
+  std::vector<std::uint32_t> rank(count);
+  for (std::uint32_t i = 0; i < sequence.size(); ++i) rank[sequence[i]] = i;
+  std::vector<std::uint32_t> unknowns(groups_.size());
+  std::iota(unknowns.begin(), unknowns.end(), 0u);
+  std::ranges::stable_sort(unknowns, {}, [&](std::uint32_t u) { return rank[groups_[u]]; });
+  position_.resize(groups_.size());
+  for (std::uint32_t i = 0; i < unknowns.size(); ++i) position_[unknowns[i]] = i;
+}
+
+void LinearSystem::analyse() {
+  order();
+  const std::size_t n = size();
+  below_ = 0;
+  for (const Place& place : places_) {
+    const std::size_t i = position_[place.row], j = position_[place.column];
+    below_ = std::max(below_, i > j ? i - j : j - i);
+  }
+  banded_ = below_ <= kWidest;
+  slots_.resize(places_.size());
+  if (banded_) {
+    height_ = 3 * below_ + 1;  // pivoting fills as much again above
+    values_.assign(n * height_, 0.0);
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      const std::size_t i = position_[places_[k].row], j = position_[places_[k].column];
+      slots_[k] = j * height_ + (2 * below_ + i - j);
+    }
+    pivots_.resize(n);
+  } else {
+    std::vector<Eigen::Triplet<double, int>> all;
+    all.reserve(places_.size());
+    for (const Place& place : places_) {
+      all.emplace_back(static_cast<int>(place.row), static_cast<int>(place.column), 1.0);
+    }
+    matrix_.resize(static_cast<int>(n), static_cast<int>(n));
+    matrix_.setFromTriplets(all.begin(), all.end());
+    matrix_.makeCompressed();
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[places_[k].column];
+      const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[places_[k].column + 1];
+      const int* at = std::lower_bound(begin, end, static_cast<int>(places_[k].row));
+      slots_[k] = static_cast<std::size_t>(at - matrix_.innerIndexPtr());
+    }
+    values_.assign(static_cast<std::size_t>(matrix_.nonZeros()), 0.0);
+    sparse_.analyzePattern(matrix_);
+  }
+  for (std::size_t k = 0; k < places_.size(); ++k) values_[slots_[k]] += recorded_[k];
+  recording_ = false;
+  work_.resize(n);
+}
+
+bool LinearSystem::factorise() {
+  if (recording_) analyse();
+  ++factorisations_;
+  if (size() == 0) return true;
+  if (banded_) return factorise_band();
+  std::ranges::copy(values_, matrix_.valuePtr());
+  sparse_.factorize(matrix_);
+  return sparse_.info() == Eigen::Success;
+}
+
+/// By columns, with row pivoting, as LAPACK's dgbtrf does it: the entry (i, j) stands in column j
+/// at 2 below + i - j.
+bool LinearSystem::factorise_band() {
+  const std::size_t n = size(), kl = below_, diagonal = 2 * below_;
+  std::size_t reach = 0;  // the last column that row swaps have filled
+  for (std::size_t j = 0; j < n; ++j) {
+    double* column = &values_[j * height_] + diagonal;
+    const std::size_t rows = std::min(kl, n - 1 - j);
+    std::size_t pivot = 0;
+    double most = std::abs(column[0]);
+    for (std::size_t i = 1; i <= rows; ++i) {
+      if (std::abs(column[i]) > most) {
+        most = std::abs(column[i]);
+        pivot = i;
+      }
+    }
+    if (!(most > 0)) return false;
+    pivots_[j] = static_cast<std::uint32_t>(j + pivot);
+    reach = std::max(reach, std::min(j + kl + pivot, n - 1));
+    if (pivot > 0) {
+      for (std::size_t k = j; k <= reach; ++k) {
+        double* at = &values_[k * height_] + diagonal + j - k;
+        std::swap(at[0], at[pivot]);
+      }
+    }
+    const double inverse = 1 / column[0];
+    for (std::size_t i = 1; i <= rows; ++i) column[i] *= inverse;
+    for (std::size_t k = j + 1; k <= reach; ++k) {
+      double* at = &values_[k * height_] + diagonal + j - k;
+      const double factor = at[0];
+      if (factor == 0) continue;
+      for (std::size_t i = 1; i <= rows; ++i) at[i] -= factor * column[i];
+    }
+  }
+  return true;
+}
+
+void LinearSystem::solve_band() {
+  const std::size_t n = size(), kl = below_, diagonal = 2 * below_;
+  for (std::size_t j = 0; j < n; ++j) {
+    std::swap(work_[j], work_[pivots_[j]]);
+    const double value = work_[j];
+    if (value == 0) continue;
+    const double* column = &values_[j * height_] + diagonal;
+    const std::size_t rows = std::min(kl, n - 1 - j);
+    for (std::size_t i = 1; i <= rows; ++i) work_[j + i] -= value * column[i];
+  }
+  for (std::size_t j = n; j-- > 0;) {
+    const double* column = &values_[j * height_] + diagonal;
+    work_[j] /= column[0];
+    const double value = work_[j];
+    if (value == 0) continue;
+    const std::size_t above = std::min(2 * kl, j);
+    for (std::size_t i = 1; i <= above; ++i) work_[j - i] -= value * *(column - i);
+  }
+}
+
+void LinearSystem::solve(std::span<double> right) {
+  if (size() == 0) return;
+  if (banded_) {
+    for (std::size_t u = 0; u < size(); ++u) work_[position_[u]] = right[u];
+    solve_band();
+    for (std::size_t u = 0; u < size(); ++u) right[u] = work_[position_[u]];
+    return;
+  }
+  Eigen::Map<Eigen::VectorXd> at(right.data(), static_cast<Eigen::Index>(right.size()));
+  const Eigen::VectorXd solved = sparse_.solve(at);
+  at = solved;
+}
+
+}  // namespace taut::direct
