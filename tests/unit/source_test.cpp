@@ -86,7 +86,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/methods/direct/contact", {"sim/motion", "sim/world", "sim/links", "sim/contact"}},
     {"sim/methods/direct",
      {"sim/motion", "sim/world", "sim/topology", "sim/measure", "sim/material", "sim/links",
-      "sim/run", "sim/methods/direct/system", "sim/methods/direct/schemes",
+      "sim/contact", "sim/run", "sim/methods/direct/system", "sim/methods/direct/schemes",
       "sim/methods/direct/contact"}},
     {"sim/methods",
      {"sim/motion", "sim/world", "sim/topology", "sim/measure", "sim/material", "sim/links",

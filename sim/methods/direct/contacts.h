@@ -14,11 +14,11 @@
 namespace taut::direct {
 
 /// Follows a world in groups that move without each other: connectors with the free bodies that
-/// they hold or may touch and those that these may touch. While nothing of a group can reach an obstacle, or
-/// bodies each other, before the next check, a method that knows no contact follows it, and leaves
-/// the same bits as in a world without. Else ContactStep does, with steps that follow from the
-/// tolerance. The times that are asked for end no step of either: what is shown at a time within
-/// one is followed from where that step began, and left behind.
+/// they hold or may touch and those that these may touch. While nothing of a group can reach an
+/// obstacle, or bodies each other, before the next check, a method that knows no contact follows
+/// it, and leaves the same bits as in a world without. Else ContactStep does, with steps that
+/// follow from the tolerance. The times that are asked for end no step of either: what is shown at
+/// a time within one is followed from where that step began, and left behind.
 class Contacts {
  public:
   /// `make` makes methods that follow links without obstacles.

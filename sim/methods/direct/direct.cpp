@@ -7,7 +7,7 @@
 #include "sim/methods/direct/elastic.h"
 #include "sim/methods/direct/followed_parts.h"
 #include "sim/methods/direct/full_length.h"
-#include "sim/methods/direct/implicit/implicit.h"
+#include "sim/methods/direct/implicit.h"
 #include "sim/methods/direct/joined.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/run/companion.h"

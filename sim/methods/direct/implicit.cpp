@@ -1,4 +1,4 @@
-#include "sim/methods/direct/implicit/implicit.h"
+#include "sim/methods/direct/implicit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,16 +12,16 @@
 namespace taut::direct {
 namespace {
 
-using Map = Eigen::Map<const Vec3>;
+using PlaceAt = Eigen::Map<const Vec3>;
 
-constexpr double kLeastStep = 1e-12;  // s
-constexpr double kOrder = 2;
-/// A step of h seconds may err by kRate h tolerances, within these bounds: errors of short steps
-/// come from waves and changes, and die away.
-constexpr double kRate = 0.4, kLeastShare = 1e-3, kShare = 0.01;
+constexpr double kShortestImplicitStep = 1e-12;  // s
+constexpr double kOrderOfHalves = 2;
+/// A step of h seconds may err by kErrorRate h tolerances, within these bounds: errors of short
+/// steps come from waves and changes, and die away.
+constexpr double kErrorRate = 0.4, kLeastShare = 1e-3, kMostShare = 0.01;
 /// The power of StepOptions::finer by which the error of a step falls, so that the error of the
 /// whole falls enough to tell it by the difference.
-constexpr double kFiner = 5;
+constexpr double kFinerPower = 5;
 
 }  // namespace
 
@@ -46,18 +46,18 @@ void Implicit::rebuild(const World& world) {
 /// falls by the power 3/2 of the whole, in units of the length.
 double Implicit::allowed_error(double h) const {
   const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
-  const double share = std::clamp(kRate * options_.finer * h, kLeastShare, kShare);
+  const double share = std::clamp(kErrorRate * options_.finer * h, kLeastShare, kMostShare);
   const double rough = kConstants.turn * shortest_ / kConstants.share;
   const double most = std::min(tolerance, rough);
   const double gain = std::max(1.0, std::cbrt(length_ / most));
-  return share * gain * most / std::pow(options_.finer, kFiner) +
+  return share * gain * most / std::pow(options_.finer, kFinerPower) +
          kConstants.roundings * 2.2e-16 * length_;
 }
 
 /// The error (m) that a step may make in which contacts or strings change: once, however short.
 double Implicit::allowed_change() const {
   const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
-  return kShare * tolerance / std::pow(options_.finer, kFiner) +
+  return kMostShare * tolerance / std::pow(options_.finer, kFinerPower) +
          kConstants.roundings * 2.2e-16 * length_;
 }
 
@@ -66,7 +66,7 @@ double Implicit::size(const StepState& one, const StepState& other) const {
   const Mechanism& mechanism = step_.mechanism();
   const double time = velocity_time_of(length_);
   const auto apart = [&](std::size_t at) {
-    return Vec3(Map(&one.state[at]) - Map(&other.state[at]));
+    return Vec3(PlaceAt(&one.state[at]) - PlaceAt(&other.state[at]));
   };
   double sum = 0, count = 0;
   for (std::size_t p = 0; p < mechanism.points(); ++p) {
@@ -123,7 +123,7 @@ void Implicit::follow(const World& world, double until) {
     const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
     const bool arrives_at_end = within < std::min(next_, longest) && within < left;
     const double h = arrives_at_end ? within : left / count;
-    if (h < kLeastStep) give_up(world);
+    if (h < kShortestImplicitStep) give_up(world);
     ++counters_.steps;
     const auto refuse = [&](double shorter) {
       ++counters_.rejected;
@@ -139,7 +139,7 @@ void Implicit::follow(const World& world, double until) {
         result = ImplicitStep::Result::failed;
       } else {
         // What arrives there ends a step.
-        if (step_.jumped() && h > 4 * kLeastStep) {
+        if (step_.jumped() && h > 4 * kShortestImplicitStep) {
           ++counters_.rejected;
           within = h / 2;
           continue;
@@ -164,11 +164,11 @@ void Implicit::follow(const World& world, double until) {
         continue;
       }
       const bool same = pattern == whole_.pattern() && pattern == middle_.pattern();
-      const double share = same ? std::exp2(kOrder) - 1 : 1;
+      const double share = same ? std::exp2(kOrderOfHalves) - 1 : 1;
       const double raw = size(end_, whole_) / share;
       error = std::min(raw, step_.distance(end_, whole_, velocity_time_of(length_)) / share);
       const double limit = same ? allowed_error(h) : allowed_change(),
-                   order = same ? kOrder + 1 : 2;
+                   order = same ? kOrderOfHalves + 1 : 2;
       error = std::max(error, raw * limit / (kConstants.passed_over * options_.tolerance));
       const double ratio = kConstants.safety * std::pow(limit / std::max(error, 1e-300), 1 / order);
       if (!(error <= limit)) {
@@ -177,7 +177,7 @@ void Implicit::follow(const World& world, double until) {
       }
       const double next = h * std::min(ratio, kConstants.most_change);
       if (next < h || next > next_) next_ = next;
-      if (same) step_.extrapolate(1 / (std::exp2(kOrder) - 1), end_);
+      if (same) step_.extrapolate(1 / (std::exp2(kOrderOfHalves) - 1), end_);
     } else {
       next_ = std::min(options_.step, 2 * h);
     }

@@ -1,4 +1,4 @@
-#include "sim/methods/direct/implicit/touches.h"
+#include "sim/methods/direct/touches.h"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@ namespace taut::direct {
 namespace {
 
 using contact::Spot;
-using Map = Eigen::Map<const Vec3>;
+using PartOf = Eigen::Map<const Vec3>;
 
 void at_each_obstacle(const World& world, std::uint64_t category, Candidate made,
                       std::vector<Candidate>& candidates) {
@@ -106,18 +106,18 @@ Pose Touches::frame_of(const Mechanism& mechanism, const Candidate& of, const do
   if (of.obstacle != Candidate::kNone) return frames_[of.obstacle].pose();
   const double* pose = state + mechanism.pose(of.other);
   const Quat turn = quaternion(pose + 3).normalized();
-  return {Map(pose) + turn * of.place.position, turn * of.place.rotation};
+  return {PartOf(pose) + turn * of.place.position, turn * of.place.rotation};
 }
 
 contact::Capsule Touches::capsule_of(const Mechanism& mechanism, const Candidate& of,
                                      const double* state) {
   if (of.body == Candidate::kNone) {
-    return {Map(state + mechanism.position(of.a)), Map(state + mechanism.position(of.b)),
+    return {PartOf(state + mechanism.position(of.a)), PartOf(state + mechanism.position(of.b)),
             of.radius};
   }
   const double* pose = state + mechanism.pose(of.body);
   const Quat turn = quaternion(pose + 3).normalized();
-  return {Map(pose) + turn * of.from, Map(pose) + turn * of.to, of.radius};
+  return {PartOf(pose) + turn * of.from, PartOf(pose) + turn * of.to, of.radius};
 }
 
 bool Touches::is_distinct(const Mechanism& mechanism, std::size_t candidate,
@@ -136,7 +136,7 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
   const Pose frame = frame_of(mechanism, of, state);
   Vec3 axis;  // the point of the axis, or the bead's centre
   if (of.is_bead()) {
-    axis = Map(state + mechanism.position(of.a));
+    axis = PartOf(state + mechanism.position(of.a));
     const Vec3 local = frame.rotation.conjugate() * (axis - frame.position);
     const SurfaceDistance near = of.shape.from(local);
     at.gap = near.distance - of.radius;
@@ -148,7 +148,7 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
     at.normal = near.normal;
     axis = capsule.at(near.along);
     if (of.body != Candidate::kNone) {
-      at.arm = axis - of.radius * at.normal - Map(state + mechanism.pose(of.body));
+      at.arm = axis - of.radius * at.normal - PartOf(state + mechanism.pose(of.body));
     } else {
       at.share = near.along;
     }
@@ -157,7 +157,7 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
   if (of.obstacle != Candidate::kNone) {
     at.surface = frames_[of.obstacle].point(at.local).velocity;
   } else {
-    at.other_arm = axis - of.radius * at.normal - Map(state + mechanism.pose(of.other));
+    at.other_arm = axis - of.radius * at.normal - PartOf(state + mechanism.pose(of.other));
   }
   return at;
 }
@@ -178,14 +178,14 @@ Vec3 Touches::passing(const Mechanism& mechanism, std::size_t candidate, const M
   const Candidate& of = candidates_[candidate];
   const auto of_body = [&](std::uint32_t body, const Vec3& arm) -> Vec3 {
     const double* twist = state + mechanism.twist(body);
-    return Map(twist) + Map(twist + 3).cross(arm);
+    return PartOf(twist) + PartOf(twist + 3).cross(arm);
   };
   Vec3 moves;
   if (of.body != Candidate::kNone) {
     moves = of_body(of.body, at.arm);
   } else {
-    moves = (1 - at.share) * Map(state + mechanism.velocity(of.a)) +
-            at.share * Map(state + mechanism.velocity(of.b));
+    moves = (1 - at.share) * PartOf(state + mechanism.velocity(of.a)) +
+            at.share * PartOf(state + mechanism.velocity(of.b));
     if (mechanism.has_winches()) {
       const Vec3 flow = (1 - at.share) * mechanism.flow_past(of.a, state) +
                         at.share * mechanism.flow_past(of.b, state);

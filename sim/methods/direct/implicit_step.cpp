@@ -1,4 +1,4 @@
-#include "sim/methods/direct/implicit/implicit_step.h"
+#include "sim/methods/direct/implicit_step.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ Eigen::Map<const Vec3> vec(const double* at) {
   return Eigen::Map<const Vec3>(at);
 }
 
-constexpr std::uint32_t kNone = 0xffffffff;
+constexpr std::uint32_t kHeld = 0xffffffff;
 const double kGamma = 1 - 1 / std::numbers::sqrt2;
 /// A share of the inertia that Newton's matrix gives redundant conditions, so that it is regular:
 /// of all solutions the nearest is found. It changes the way to the solution, not the solution.
@@ -60,9 +60,9 @@ void ImplicitStep::rebuild(const World& world) {
   mechanism_.rebuild(world);
   touches_.rebuild(world, mechanism_);
   const std::size_t points = mechanism_.points(), bodies = mechanism_.bodies().size();
-  node_.assign(points, kNone);
-  carried_.assign(points, kNone);
-  body_.assign(bodies, kNone);
+  node_.assign(points, kHeld);
+  carried_.assign(points, kHeld);
+  body_.assign(bodies, kHeld);
   std::uint32_t next = 0;
   const auto& easy = mechanism_.inverse_mass();
   for (std::uint32_t p = 0; p < points; ++p) {
@@ -85,8 +85,8 @@ void ImplicitStep::rebuild(const World& world) {
   }
   first_link_ = next;
   const auto ease = [&](std::uint32_t p) {
-    if (node_[p] != kNone) return easy[p] != 0 ? easy[p] : easy[mechanism_.leader(p)];
-    if (carried_[p] == kNone) return 0.0;
+    if (node_[p] != kHeld) return easy[p] != 0 ? easy[p] : easy[mechanism_.leader(p)];
+    if (carried_[p] == kHeld) return 0.0;
     const auto& at = held[carried_[p]];
     const auto& body = mechanism_.bodies()[at.body];
     return body.inverse_mass + at.local.squaredNorm() * body.inverse_inertia.norm() / 2;
@@ -107,7 +107,7 @@ void ImplicitStep::rebuild(const World& world) {
   }
   first_contact_ = first_link_ + links_.size();
   shape_of_.clear();
-  shape_of_.push_back(kNone);  // no layout is the last one
+  shape_of_.push_back(kHeld);  // no layout is the last one
   base_.assign(mechanism_.state_size(), 0.0);
   state_ = base_;
   turn_.assign(bodies, Vec3::Zero());
@@ -157,9 +157,9 @@ void ImplicitStep::lay_out(const StepState& from) {
 
 void ImplicitStep::add_handles(std::uint32_t point, double weight, Relative& to) const {
   if (weight == 0) return;
-  if (node_[point] != kNone) {
+  if (node_[point] != kHeld) {
     to.add({.at = node_[point], .weight = weight});
-  } else if (carried_[point] != kNone) {
+  } else if (carried_[point] != kHeld) {
     const auto& at = mechanism_.body_points()[carried_[point]];
     to.add({.at = body_[at.body], .body = true, .weight = weight, .arm = at.arm});
   }
@@ -174,7 +174,7 @@ ImplicitStep::Relative ImplicitStep::relative(std::uint32_t a, std::uint32_t b) 
 
 ImplicitStep::Relative ImplicitStep::relative(const Candidate& of, const Meeting& at) const {
   Relative made;
-  if (of.body != kNone) {
+  if (of.body != kHeld) {
     made.add({.at = body_[of.body], .body = true, .weight = 1, .arm = at.arm});
   } else if (of.is_bead()) {
     add_handles(of.a, 1, made);
@@ -184,7 +184,7 @@ ImplicitStep::Relative ImplicitStep::relative(const Candidate& of, const Meeting
     add_handles(of.a, 1 - share, made);
     add_handles(of.b, share, made);
   }
-  if (of.other != kNone) {
+  if (of.other != kHeld) {
     made.add({.at = body_[of.other], .body = true, .weight = -1, .arm = at.other_arm});
   }
   return made;
@@ -296,17 +296,17 @@ void ImplicitStep::scale(const Problem& problem) {
       return body.inverse_mass + arm.squaredNorm() * body.inverse_inertia.norm() / 2;
     };
     const auto of_point = [&](std::uint32_t p) {
-      if (carried_[p] == kNone) return easy[p];
+      if (carried_[p] == kHeld) return easy[p];
       const auto& at = mechanism_.body_points()[carried_[p]];
       return of_body(at.body, at.arm);
     };
-    if (of.body != kNone) {
+    if (of.body != kHeld) {
       ease += of_body(of.body, meetings_[c].arm);
     } else {
       const double share = meetings_[c].share;
       ease += (1 - share) * (1 - share) * of_point(of.a) + share * share * of_point(of.b);
     }
-    if (of.other != kNone) ease += of_body(of.other, meetings_[c].other_arm);
+    if (of.other != kHeld) ease += of_body(of.other, meetings_[c].other_arm);
     for (std::size_t i = 0; i < 3; ++i) {
       column_scale_[first_contact_ + 3 * c + i] = problem.inertia / std::max(ease, 1e-300);
     }
@@ -501,7 +501,7 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
     Mat3 by_p, by_v;
     if (problem.law == Problem::Law::projection) {
       // v is a displacement, but for the part of the obstacle's own.
-      const Vec3 moved = v + (of.obstacle != kNone ? at.surface : Vec3(Vec3::Zero()));
+      const Vec3 moved = v + (of.obstacle != kHeld ? at.surface : Vec3(Vec3::Zero()));
       const bool held = law_[c] != 0;
       out = held ? Vec3((n.dot(moved) + at.gap) * n + across * p) : p;
       by_p = held ? Mat3(across + kProximal * along) : Mat3::Identity();
@@ -757,7 +757,7 @@ bool ImplicitStep::project(StepState& to) {
         violation_[k] = length - stretch.rest - to.tension[k] / stretch.stiffness;
       }
       // Held ends have velocities of their own, which are no displacements.
-      const auto held = [&](std::uint32_t p) { return node_[p] == kNone && carried_[p] == kNone; };
+      const auto held = [&](std::uint32_t p) { return node_[p] == kHeld && carried_[p] == kHeld; };
       Vec3 own = Vec3::Zero();
       if (held(link.b)) own += vec(&state_[mechanism_.velocity(link.b)]);
       if (held(link.a)) own -= vec(&state_[mechanism_.velocity(link.a)]);

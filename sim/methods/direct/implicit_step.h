@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sim/links/mechanism.h"
-#include "sim/methods/direct/implicit/linear_system.h"
-#include "sim/methods/direct/implicit/touches.h"
+#include "sim/methods/direct/linear_system.h"
+#include "sim/methods/direct/touches.h"
 
 namespace taut::direct {
 

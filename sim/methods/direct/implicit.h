@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/methods/direct/implicit/implicit_step.h"
+#include "sim/methods/direct/implicit_step.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/run/method.h"
 #include "sim/world/world.h"

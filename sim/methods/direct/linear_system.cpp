@@ -1,4 +1,4 @@
-#include "sim/methods/direct/implicit/linear_system.h"
+#include "sim/methods/direct/linear_system.h"
 
 #include <algorithm>
 #include <cmath>
