@@ -1123,7 +1123,7 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
   problem.time = from.time + h;
   touches_.place(*world_, problem.time);
   guess(outer, to.rate);
-  reuses_ = contacts_.empty();
+  reuses_ = true;
   if (!solve(problem)) return Result::failed;
   column_scale_stage_ = column_scale_;
   for (std::size_t u = 0; u < first_link_; ++u) to.rate[u] = (unknown_[u] - wanted_[u]) / inner;

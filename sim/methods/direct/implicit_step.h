@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/links/mechanism.h"
-#include "sim/methods/direct/linear_system.h"
+#include "sim/methods/direct/sparse_system.h"
 #include "sim/methods/direct/touches.h"
 
 namespace taut::direct {
@@ -156,8 +156,8 @@ class ImplicitStep {
   const World* world_ = nullptr;
   Mechanism mechanism_;
   Touches touches_;
-  LinearSystem stage_system_, jump_system_;  // of stages; where velocities or places jump
-  LinearSystem* system_ = &stage_system_;
+  SparseSystem stage_system_, jump_system_;  // of stages; where velocities or places jump
+  SparseSystem* system_ = &stage_system_;
   bool assembles_ = true;  // the matrix as well as the residual
   bool reuses_ = false;    // the matrix of the stage before, to begin with
   std::vector<Link> links_;

@@ -1,4 +1,4 @@
-#include "sim/methods/direct/linear_system.h"
+#include "sim/methods/direct/sparse_system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +12,14 @@ constexpr std::size_t kWidest = 96;
 
 }  // namespace
 
-void LinearSystem::reshape(std::span<const std::uint32_t> groups) {
+void SparseSystem::reshape(std::span<const std::uint32_t> groups) {
   groups_.assign(groups.begin(), groups.end());
   recording_ = true;
   places_.clear();
   recorded_.clear();
 }
 
-void LinearSystem::clear() {
+void SparseSystem::clear() {
   next_ = 0;
   if (recording_) {
     places_.clear();
@@ -30,7 +30,7 @@ void LinearSystem::clear() {
 }
 
 /// Numbers the unknowns by groups, these by reverse Cuthill-McKee from an end of each component.
-void LinearSystem::order() {
+void SparseSystem::order() {
   const std::size_t count =
       groups_.empty() ? 0 : std::size_t{*std::ranges::max_element(groups_)} + 1;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
@@ -93,7 +93,7 @@ void LinearSystem::order() {
   for (std::uint32_t i = 0; i < unknowns.size(); ++i) position_[unknowns[i]] = i;
 }
 
-void LinearSystem::analyse() {
+void SparseSystem::analyse() {
   order();
   const std::size_t n = size();
   below_ = 0;
@@ -134,7 +134,7 @@ void LinearSystem::analyse() {
   work_.resize(n);
 }
 
-bool LinearSystem::factorise() {
+bool SparseSystem::factorise() {
   if (recording_) analyse();
   ++factorisations_;
   if (size() == 0) return true;
@@ -146,7 +146,7 @@ bool LinearSystem::factorise() {
 
 /// By columns, with row pivoting, as LAPACK's dgbtrf does it: the entry (i, j) stands in column j
 /// at 2 below + i - j.
-bool LinearSystem::factorise_band() {
+bool SparseSystem::factorise_band() {
   const std::size_t n = size(), kl = below_, diagonal = 2 * below_;
   std::size_t reach = 0;  // the last column that row swaps have filled
   for (std::size_t j = 0; j < n; ++j) {
@@ -181,7 +181,7 @@ bool LinearSystem::factorise_band() {
   return true;
 }
 
-void LinearSystem::solve_band() {
+void SparseSystem::solve_band() {
   const std::size_t n = size(), kl = below_, diagonal = 2 * below_;
   for (std::size_t j = 0; j < n; ++j) {
     std::swap(work_[j], work_[pivots_[j]]);
@@ -201,7 +201,7 @@ void LinearSystem::solve_band() {
   }
 }
 
-void LinearSystem::solve(std::span<double> right) {
+void SparseSystem::solve(std::span<double> right) {
   if (size() == 0) return;
   if (banded_) {
     for (std::size_t u = 0; u < size(); ++u) work_[position_[u]] = right[u];

@@ -13,7 +13,7 @@ namespace taut::direct {
 /// particle, a body), which are ordered by Cuthill and McKee's reverse breadth-first search. Where
 /// that makes a narrow band, as for chains, the band is factorised with row pivoting; else Eigen's
 /// supernodal LU does it.
-class LinearSystem {
+class SparseSystem {
  public:
   /// Starts a matrix of as many rows as `groups` has numbers; each is the group of an unknown.
   /// Takes the places of the entries anew.
