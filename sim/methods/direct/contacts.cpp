@@ -36,7 +36,7 @@ bool same_state(const Body& a, const Body& b) {
 
 /// Steps are of second order: finer ones are those of a tolerance that is lower by their square.
 Contacts::Contacts(const StepOptions& options, std::function<std::unique_ptr<Method>()> make)
-    : given_(options), options_(options), make_(std::move(make)) {
+    : options_(options), make_(std::move(make)) {
   options_.tolerance /= options.finer * options.finer;
 }
 
@@ -114,24 +114,8 @@ void Contacts::prepare(const World& world) {
     part.topology = structure(part);
     made->strings = has_strings(part);
     made->links = make_();
-    make_implicit(world, *made);
-    if (!made->implicit) made->step.rebuild(part, obstacles_, made->pairs, made->bead_pairs);
+    made->step.rebuild(part, obstacles_, made->pairs, made->bead_pairs);
     begin(*made);
-  }
-}
-
-/// Sets up Implicit for groups with friction, and for those whose bodies touch each other.
-void Contacts::make_implicit(const World& world, Group& group) const {
-  World& touching = group.touching = group.part;
-  touching.obstacles = world.obstacles;
-  touching.pairs = group.pairs;
-  touching.bead_pairs = group.bead_pairs;
-  touching.topology = structure(touching);
-  const Features used = features(touching);
-  if (used.has(Feature::friction) || used.has(Feature::body_pairs)) {
-    group.implicit = std::make_unique<Implicit>(given_);
-  } else {
-    touching = {};
   }
 }
 
@@ -210,7 +194,6 @@ void Contacts::give_up(const World& part, const Group& group) const {
 Counters Contacts::counters() const {
   Counters sum = counters_;
   for (const auto& group : groups_) {
-    if (group->implicit) sum += group->implicit->counters();
     for (const auto* method : {&group->links, &group->shown_links}) {
       if (!*method) continue;
       sum += (*method)->counters();

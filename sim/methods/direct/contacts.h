@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "sim/methods/direct/contact/contact_step.h"
-#include "sim/methods/direct/implicit.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/run/method.h"
 
@@ -17,10 +16,9 @@ namespace taut::direct {
 /// Follows a world in groups that move without each other: connectors with the free bodies that
 /// they hold or may touch and those that these may touch. While nothing of a group can reach an
 /// obstacle, or bodies each other, before the next check, a method that knows no contact follows
-/// it, and leaves the same bits as in a world without. Else Implicit does where there is friction,
-/// or where bodies touch each other; and ContactStep the rest. The times that are asked for end no
-/// step but Implicit's: what is shown at a time within one is followed from where that step began,
-/// and left behind.
+/// it, and leaves the same bits as in a world without. Else ContactStep does, with steps that
+/// follow from the tolerance. The times that are asked for end no step of either: what is shown at
+/// a time within one is followed from where that step began, and left behind.
 class Contacts {
  public:
   /// `make` makes methods that follow links without obstacles.
@@ -41,8 +39,6 @@ class Contacts {
     std::vector<BodyPair> pairs;                  // of the part's bodies
     std::vector<BeadPair> bead_pairs;             // of the part's connectors and bodies
     std::unique_ptr<Method> links, shown_links;
-    std::unique_ptr<Implicit> implicit;  // where there is friction
-    World touching;                      // the part with all that it may touch, for `implicit`
     ContactStep step;
     ContactStep::Past before_step, present;  // of ContactStep
     bool strings = false;       // some of its links are: ContactStep follows it throughout
@@ -73,14 +69,11 @@ class Contacts {
                            double within);
   [[noreturn]] void give_up(const World& part, const Group& group) const;
 
-  void make_implicit(const World& world, Group& group) const;
-
   // Steps (contacts_steps.cpp).
   double next_end(double time) const;
   void follow(Group& group, double until);
   bool follow_links(Group& group, double until);
   void begin_steps(Group& group);
-  void take_implicit_steps(Group& group, double until);
   void take_step(Group& group, double until);
   double attempt(ContactStep& step, double time, double h, double slippery, int located);
   bool fails(const Group& group, double gone, double h) const;
@@ -90,7 +83,7 @@ class Contacts {
   void show(Group& group, double until);
   void show_within_step(Group& group, double until);
 
-  StepOptions given_, options_;  // the second: of ContactStep, which is of second order
+  StepOptions options_;
   std::function<std::unique_ptr<Method>()> make_;
   std::vector<Obstacle> obstacles_;
   std::vector<std::unique_ptr<Group>> groups_;

@@ -39,31 +39,8 @@ void Contacts::follow(Group& group, double until) {
       group.end = next_end(group.time);
       if (!group.strings && follow_links(group, until)) continue;
     }
-    if (group.implicit) {
-      take_implicit_steps(group, until);
-    } else {
-      take_step(group, until);
-    }
+    take_step(group, until);
   }
-}
-
-/// Follows a group with friction as far as steps end or `until`.
-void Contacts::take_implicit_steps(Group& group, double until) {
-  const auto copy = [](const World& from, World& to) {
-    to.time = from.time;
-    for (std::size_t b = 0; b < from.bodies.size(); ++b) to.bodies[b] = from.bodies[b];
-    for (std::size_t c = 0; c < from.connectors.size(); ++c) {
-      to.connectors[c].position = from.connectors[c].position;
-      to.connectors[c].velocity = from.connectors[c].velocity;
-    }
-  };
-  const double end = std::min(group.end, until);
-  group.now.time = group.time;
-  copy(group.now, group.touching);
-  group.implicit->advance(group.touching, end);
-  copy(group.touching, group.now);
-  group.from = group.time;
-  group.time = end;
 }
 
 /// Follows what is near nothing as far as steps end; whether it was.

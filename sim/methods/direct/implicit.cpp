@@ -123,6 +123,10 @@ void Implicit::follow(const World& world, double until) {
     const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
     const bool arrives_at_end = within < std::min(next_, longest) && within < left;
     const double h = arrives_at_end ? within : left / count;
+    if (left < kShortestImplicitStep) {
+      now_.time = until;
+      break;
+    }
     if (h < kShortestImplicitStep) give_up(world);
     ++counters_.steps;
     const auto refuse = [&](double shorter) {

@@ -308,7 +308,8 @@ void ImplicitStep::scale(const Problem& problem) {
     }
     if (of.other != kHeld) ease += of_body(of.other, meetings_[c].other_arm);
     for (std::size_t i = 0; i < 3; ++i) {
-      column_scale_[first_contact_ + 3 * c + i] = problem.inertia / std::max(ease, 1e-300);
+      column_scale_[first_contact_ + 3 * c + i] =
+          weight_ * problem.inertia / std::max(ease, 1e-300);
     }
   }
 }
@@ -658,7 +659,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   const double longest = problem.advance > 0 ? 0.5 * shortest_ / problem.advance
                                              : std::numeric_limits<double>::infinity();
   double last = std::numeric_limits<double>::infinity(), part = 0, fastest = 0;
-  bool keeps = problem.forces && reuses_;
+  bool keeps = reuses_;
   reuses_ = false;
   for (int i = 0; i < most;) {
     check_stop();
@@ -706,13 +707,20 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   return false;
 }
 
+/// Newton's method from the present unknowns; where that fails, along the central path. What a
+/// force weighs against a velocity in the conditions of contact decides whether they converge, but
+/// not on what: other weights are tried.
 bool ImplicitStep::solve(const Problem& problem) {
   const double enough = std::max(accuracy_, 1e-10 * speed_);
   const bool one_sided = !contacts_.empty() ||
                          std::ranges::any_of(links_, [](const Link& link) { return link.pulls; });
   const std::vector<double> start = unknown_;
-  bool found = iterate(problem, -1, 15, enough);
-  if (!found && one_sided) {
+  bool found = false;
+  for (const double weight : {1.0, 10.0, 0.2}) {
+    weight_ = weight;
+    unknown_ = start;
+    found = iterate(problem, -1, 15, enough);
+    if (found || !one_sided) break;
     unknown_ = start;
     found = true;
     const double square = speed_ * speed_;
@@ -722,33 +730,70 @@ bool ImplicitStep::solve(const Problem& problem) {
       if (!found) break;
     }
     found = found && iterate(problem, -1, 15, enough);
+    if (found) break;
   }
+  weight_ = 1;
   if (!found) return false;
   place_unknowns(problem);
   return true;
 }
 
-/// Moves places to the lengths of links and to the surfaces of contacts, and velocities to the
-/// rates that these allow.
-bool ImplicitStep::project(StepState& to) {
+/// Moves places to the lengths of links and to the surfaces of contacts. Contacts within `touching`
+/// (m) stay where they are if that has no solution, as where a chain at its full length holds a
+/// bead over a floor.
+bool ImplicitStep::project(StepState& to, double touching) {
+  const std::vector<double> start = to.state;
+  if (!project_places(to)) {
+    to.state = start;
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      const Meeting at = touches_.meet(mechanism_, contacts_[c].candidate, to.state.data());
+      law_[c] = at.gap < -touching;
+    }
+    if (!project_places(to)) return false;
+  }
+  mechanism_.place_and_measure(to.time, to.state.data());
+  return true;
+}
+
+/// The direction in which a link's ends may not part, at the present places.
+Vec3 ImplicitStep::direction(const Link& link) const {
+  if (!link.soft && mechanism_.rows()[link.row].axis != Row::kAlongLink) {
+    return Vec3::Unit(mechanism_.rows()[link.row].axis);
+  }
+  return (vec(&state_[mechanism_.position(link.b)]) - vec(&state_[mechanism_.position(link.a)]))
+      .normalized();
+}
+
+/// The part of held ends in the rate of a link (m/s). They have velocities of their own, which are
+/// no unknowns.
+double ImplicitStep::held_rate(const Link& link) const {
+  const auto own = [&](std::uint32_t p) {
+    const bool held = node_[p] == kHeld && carried_[p] == kHeld;
+    return held ? Vec3(vec(&state_[mechanism_.velocity(p)])) : Vec3(Vec3::Zero());
+  };
+  const Vec3 apart = own(link.b) - own(link.a);
+  return apart.isZero(0) ? 0 : direction(link).dot(apart);
+}
+
+bool ImplicitStep::project_places(StepState& to) {
   Problem problem{.law = Problem::Law::projection, .time = to.time};
   const auto& stretches = mechanism_.material().stretches();
   bool placed = false;
   for (int i = 0; i < 8 && !placed; ++i) {
-    base_ = to.state;
-    for (std::size_t b = 0; b < body_.size(); ++b) {
-      start_turn_[b] = quaternion(&base_[mechanism_.pose(b) + 3]);
-      turn_[b].setZero();
-    }
+    start_at(to);
     std::ranges::fill(unknown_, 0.0);
     std::ranges::fill(wanted_, 0.0);
     place_unknowns(problem);
     double worst = 0;
+    bool same = true;  // conditions, as before
     for (std::size_t k = 0; k < links_.size(); ++k) {
       const Link& link = links_[k];
       if (!link.soft) {
         violation_[k] = mechanism_.violation()[link.row];
-        if (link.pulls && violation_[k] < 0 && to.tension[k] <= 0) on_[k] = 0;
+        if (link.pulls && on_[k] != 0 && violation_[k] < 0 && to.tension[k] <= 0) {
+          on_[k] = 0;
+          same = false;
+        }
       } else {
         const auto& stretch = stretches[link.row];
         const double length =
@@ -756,27 +801,19 @@ bool ImplicitStep::project(StepState& to) {
                 .norm();
         violation_[k] = length - stretch.rest - to.tension[k] / stretch.stiffness;
       }
-      // Held ends have velocities of their own, which are no displacements.
-      const auto held = [&](std::uint32_t p) { return node_[p] == kHeld && carried_[p] == kHeld; };
-      Vec3 own = Vec3::Zero();
-      if (held(link.b)) own += vec(&state_[mechanism_.velocity(link.b)]);
-      if (held(link.a)) own -= vec(&state_[mechanism_.velocity(link.a)]);
       if (on_[k] != 0) worst = std::max(worst, std::abs(violation_[k]));
-      if (!own.isZero(0)) {
-        const bool joint = !link.soft && mechanism_.rows()[link.row].axis != Row::kAlongLink;
-        const Vec3 way =
-            vec(&state_[mechanism_.position(link.b)]) - vec(&state_[mechanism_.position(link.a)]);
-        violation_[k] -=
-            (joint ? Vec3(Vec3::Unit(mechanism_.rows()[link.row].axis)) : Vec3(way.normalized()))
-                .dot(own);
-      }
+      violation_[k] -= held_rate(link);
     }
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      law_[c] = law_[c] || meetings_[c].gap < 0;
+      if (law_[c] == 0 && meetings_[c].gap < 0) {
+        law_[c] = 1;
+        same = false;
+      }
       if (law_[c]) worst = std::max(worst, std::abs(meetings_[c].gap));
     }
     placed = worst <= exact_;
     if (placed) break;
+    reuses_ = i > 0 && same;
     if (!iterate(problem, -1, 1, 1e300)) return false;
     for (std::size_t p = 0; p < mechanism_.points(); ++p) {
       if (mechanism_.inverse_mass()[p] == 0) continue;
@@ -791,14 +828,19 @@ bool ImplicitStep::project(StepState& to) {
   return placed;
 }
 
-/// Velocities after the impacts of a moment.
-bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
-  Problem problem{.time = to.time};
-  base_ = to.state;
+/// Stages and jumps start from the places of a state.
+void ImplicitStep::start_at(const StepState& from) {
+  base_ = from.state;
   for (std::size_t b = 0; b < body_.size(); ++b) {
     start_turn_[b] = quaternion(&base_[mechanism_.pose(b) + 3]);
     turn_[b].setZero();
   }
+}
+
+/// Velocities after the impacts of a moment.
+bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
+  Problem problem{.time = to.time};
+  start_at(to);
   gather(before, wanted_);
   std::ranges::copy(wanted_, unknown_.begin());
   std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
@@ -847,12 +889,7 @@ double ImplicitStep::distance(const StepState& one, const StepState& other, doub
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const Link& link = links_[k];
     if (link.soft || on_[k] == 0) continue;
-    const int axis = mechanism_.rows()[link.row].axis;
-    const Vec3 way =
-        vec(&state_[mechanism_.position(link.b)]) - vec(&state_[mechanism_.position(link.a)]);
-    const Vec3 direction =
-        axis == Row::kAlongLink ? Vec3(way.normalized()) : Vec3(Vec3::Unit(axis));
-    residual_[first_link_ + k] = inertia * direction.dot(moves(relative(link.a, link.b)));
+    residual_[first_link_ + k] = inertia * direction(link).dot(moves(relative(link.a, link.b)));
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Candidate& of = touches_.candidates()[contacts_[c].candidate];
@@ -966,8 +1003,7 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
   contacts_ = to.contacts;
   lay_out(to);
   const std::vector<double> before = to.state;
-  if (!project(to)) return false;
-  mechanism_.place_and_measure(to.time, to.state.data());
+  if (!project(to, touching)) return false;
   if (!jump(to, before)) return false;
   keep_contacts(to);
   return true;
@@ -1163,8 +1199,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
   touches_.place(*world_, to.time);
   for (std::size_t c = 0; c < contacts_.size(); ++c) law_[c] = contacts_[c].presses;
   std::vector<double> before = to.state;
-  if (!project(to)) return false;
-  mechanism_.place_and_measure(to.time, to.state.data());
+  if (!project(to, touching)) return false;
   if (!jumps) return true;
   // What stops moves others a little, which may arrive by that.
   for (int round = 0; round < kRounds; ++round) {
@@ -1201,8 +1236,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       law_[c] = vec(&unknown_[first_contact_ + 3 * c]).dot(meetings_[c].normal) > 0;
     }
-    if (!project(to)) return false;
-    mechanism_.place_and_measure(to.time, to.state.data());
+    if (!project(to, touching)) return false;
   }
   keep_contacts(to);
   return true;

@@ -146,7 +146,11 @@ class ImplicitStep {
   bool iterate(const Problem& problem, double kappa, int most, double enough);
   void guess(double time, const std::vector<double>& rate);
   bool solve(const Problem& problem);
-  bool project(StepState& to);
+  bool project(StepState& to, double touching);
+  bool project_places(StepState& to);
+  void start_at(const StepState& from);
+  Vec3 direction(const Link& link) const;
+  double held_rate(const Link& link) const;
   bool jump(StepState& to, std::span<const double> before);
   void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);
   void keep_contacts(StepState& to);
@@ -182,6 +186,7 @@ class ImplicitStep {
   std::vector<double> state_;         // of the present unknowns
   std::vector<Vec3> force_;           // N, per point
   std::vector<double> violation_;     // m, per link in a projection
+  double weight_ = 1;                 // of forces at contacts, in their conditions
   double speed_ = 1;                  // m/s, typical
   double accuracy_ = 0;               // m/s
   double length_ = 1, shortest_ = 1;  // m: of the longest connector, of the shortest link
