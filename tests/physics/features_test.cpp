@@ -321,6 +321,39 @@ TEST(Features, EveryPairIsFollowedOrRefusedByName) {
   if (std::getenv("TAUT_TABLE")) std::cout << table << "\n";
 }
 
+/// The places of all particles and free bodies at the end, by the direct method.
+std::vector<Vec3> places_by_direct(const Maker& made, double tolerance, double until) {
+  Simulation simulation(made.world(), make_method("direct", {{"tolerance", tolerance}}),
+                        made.timeline());
+  simulation.advance_to(until);
+  std::vector<Vec3> places;
+  for (const Body& body : simulation.world().bodies) places.push_back(body.position);
+  for (const auto& connector : simulation.state().connectors) {
+    places.insert(places.end(), connector.begin(), connector.end());
+  }
+  return places;
+}
+
+// What any two features do together does not depend on the tolerance, within the tolerance.
+TEST(Features, PairsKeepTheTolerance) {
+  constexpr double kLoose = 1e-3, kTight = 1e-5, kEnd = 0.25;
+  const Abilities& direct = find_method("direct")->abilities;
+  for (std::size_t a = 0; a < kFeatureCount; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) {
+      const Maker made({feature(a), feature(b)});
+      if (find_refusal(direct, made.world(), &made.timeline())) continue;
+      SCOPED_TRACE(std::string(name(feature(a))) + ", " + std::string(name(feature(b))));
+      std::vector<Vec3> loose, tight;
+      EXPECT_NO_THROW(loose = places_by_direct(made, kLoose, kEnd));
+      EXPECT_NO_THROW(tight = places_by_direct(made, kTight, kEnd));
+      double sum = 0;
+      if (loose.size() != tight.size() || tight.empty()) continue;
+      for (std::size_t i = 0; i < tight.size(); ++i) sum += (loose[i] - tight[i]).squaredNorm();
+      EXPECT_LT(std::sqrt(sum / static_cast<double>(tight.size())), kLoose);
+    }
+  }
+}
+
 TEST(Features, AMethodThatIsAskedAloneNamesWhereTheyAre) {
   const Maker made({Feature::bending, Feature::obstacle});
   EXPECT_EQ(refusal(*find_method("truth"), made.world()),

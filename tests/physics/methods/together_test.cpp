@@ -1,0 +1,150 @@
+// Features together by the direct method, against answers that are known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/run/simulation.h"
+#include "sim/world/shape.h"
+#include "sim/world/winched.h"
+#include "tests/physics/worlds.h"
+
+namespace taut::together_test {
+namespace {
+
+constexpr double kRadius = 0.01;  // m, of a bead
+
+Obstacle floor_at(double height, double friction = 0, double restitution = 0) {
+  Obstacle floor;
+  floor.name = "floor";
+  floor.shape = plane_shape();
+  floor.place.position.y() = height;
+  floor.static_friction = floor.kinetic_friction = friction;
+  floor.restitution = restitution;
+  return floor;
+}
+
+/// A bead of 1 kg on a massless spring of one link, which is fixed at the origin.
+World bead_on_spring(double stiffness, double rest, const Vec3& bead) {
+  World world;
+  Connector spring = straight_connector("spring", rest, 0, 2, Vec3::Zero(), bead.normalized());
+  spring.position[1] = bead;
+  spring.particle_mass = {0, 1};
+  spring.radius = kRadius;
+  spring.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  spring.sections.assign(1, Section{});
+  spring.sections[0].axial_stiffness = stiffness * rest;
+  world.connectors = {spring};
+  return world;
+}
+
+Simulation by_direct(const World& world, double tolerance) {
+  return Simulation(world, make_method("direct", {{"tolerance", tolerance}}));
+}
+
+// Coulomb's friction takes 4 mu m g/k from the swing of a mass on a spring in each period, and
+// holds it once the spring pulls by less.
+TEST(Together, ASpringPullsABeadOverARoughFloor) {
+  constexpr double kStiffness = 100, kRest = 1, kPulled = 0.35, kFriction = 0.4;
+  const double dead = kFriction * worlds::kGravity / kStiffness;
+  World world = bead_on_spring(kStiffness, kRest, Vec3(kRest + kPulled, 0, 0));
+  world.obstacles = {floor_at(-kRadius, kFriction)};
+  finish(world);
+  for (const double tolerance : {1e-3, 1e-5}) {
+    Simulation simulation = by_direct(world, tolerance);
+    const double half = std::numbers::pi / std::sqrt(kStiffness);
+    double turn = kPulled;
+    for (int i = 1; std::abs(turn) > dead; ++i) {
+      simulation.advance_to(i * half);
+      turn = turn > 0 ? -turn + 2 * dead : -turn - 2 * dead;
+      EXPECT_NEAR(simulation.world().connectors[0].position[1].x(), kRest + turn, tolerance) << i;
+    }
+    simulation.advance_to(5);
+    EXPECT_NEAR(simulation.world().connectors[0].position[1].x(), kRest + turn, tolerance);
+    EXPECT_LT(simulation.world().connectors[0].velocity[1].norm(), tolerance);
+  }
+}
+
+// Between two impacts a weight on a spring swings about its place of rest, a height `kOver` above
+// the floor; an impact leaves the share e of its speed.
+TEST(Together, AWeightOnASpringBounces) {
+  constexpr double kStiffness = 50, kRest = 1, kSwing = 0.3, kOver = 0.1, kBounce = 0.8;
+  const double rate = std::sqrt(kStiffness), sag = worlds::kGravity / kStiffness;
+  World world = bead_on_spring(kStiffness, kRest, Vec3(0, -(kRest + sag) + kSwing, 0));
+  world.obstacles = {floor_at(-(kRest + sag) - kOver - kRadius, 0, kBounce)};
+  finish(world);
+  for (const double tolerance : {1e-3, 1e-5}) {
+    Simulation simulation = by_direct(world, tolerance);
+    double swing = kSwing, time = 0;
+    for (int i = 0; i < 3; ++i) {
+      time += std::acos(-kOver / swing) / rate;
+      const double speed = kBounce * rate * std::sqrt(swing * swing - kOver * kOver);
+      swing = std::hypot(kOver, speed / rate);
+      time += std::acos(-kOver / swing) / rate;
+      simulation.advance_to(time);
+      EXPECT_NEAR(simulation.world().connectors[0].position[1].y(), -(kRest + sag) + swing,
+                  tolerance)
+          << i;
+    }
+  }
+}
+
+// A cantilever under its own weight w would sag by w L^4/8EI; a floor at the depth d under its
+// clamp carries R = 3EI/L^3 (w L^4/8EI - d) of its end.
+TEST(Together, AFloorCarriesTheEndOfABentRope) {
+  constexpr double kLength = 1, kStiffness = 1, kWeight = 0.1;
+  constexpr double kDepth = 0.5 * kWeight / 8;
+  constexpr std::size_t kParticles = 41;
+  World world;
+  Connector rope = straight_connector("rope", kLength, kWeight / worlds::kGravity, kParticles,
+                                      Vec3::Zero(), Vec3::UnitX());
+  rope.radius = 1e-3;
+  rope.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  rope.holds[0].clamp = Vec3::UnitX();
+  Section section;
+  section.bending_stiffness = kStiffness;
+  section.bending_damping = 0.02;
+  section.diameter = 2e-3;
+  rope.sections.assign(kParticles - 1, section);
+  world.connectors = {rope};
+  world.obstacles = {floor_at(-kDepth - rope.radius)};
+  finish(world);
+  Simulation simulation = by_direct(world, 1e-6);
+  simulation.advance_to(2);
+  const double carried = 3 * kStiffness * (kWeight / 8 / kStiffness - kDepth);
+  for (const std::size_t i : {kParticles / 4, kParticles / 2, 3 * kParticles / 4}) {
+    const Vec3& at = simulation.world().connectors[0].position[i];
+    const double x = at.x();
+    const double sag =
+        (kWeight * x * x * (6 - 4 * x + x * x) / 24 - carried * x * x * (3 - x) / 6) / kStiffness;
+    EXPECT_NEAR(at.y(), -sag, 0.02 * kDepth) << i;
+  }
+}
+
+// A winch lets a weight on a rope of strings down to a rough floor, where it lies.
+TEST(Together, AWinchLetsAWeightDown) {
+  World world;
+  Connector rope = straight_connector("rope", 1, 0.05, 11, Vec3::Zero(), -Vec3::UnitY());
+  rope.radius = kRadius;
+  rope.pulls = true;
+  rope.particle_mass.back() = 1;
+  rope.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  std::vector<PathKey> keys(2);
+  keys[1].time = 2;
+  keys[1].position.x() = 0.3;
+  for (PathKey& key : keys) key.ease = true;
+  world.connectors = {rope};
+  world.obstacles = {floor_at(-1.2, 0.5)};
+  finish(world);
+  add_winches(world, world.connectors[0], std::make_shared<const Path>(keys), nullptr);
+  finish(world);
+  Simulation simulation = by_direct(world, 1e-4);
+  simulation.advance_to(0.8);
+  const double s = 0.4, paid = 0.3 * s * s * s * (10 - 15 * s + 6 * s * s);
+  EXPECT_NEAR(simulation.world().connectors[0].position.back().y(), -1 - paid, 2e-4);
+  simulation.advance_to(2.5);
+  EXPECT_NEAR(simulation.world().connectors[0].position.back().y(), -1.2 + kRadius, 2e-4);
+}
+
+}  // namespace
+}  // namespace taut::together_test
