@@ -25,10 +25,10 @@ Flexion wrap(const Digit& finger, double aside, const Capsule& stick, const Hand
   for (const double knuckle : {50 * degree, 65 * degree, 80 * degree}) {
     for (const double middle : {25 * degree, 55 * degree, 90 * degree}) {
       Angles angles = {knuckle, middle, 35 * degree};
-      const double cost = descend(angles, [&](const Angles& x) {
+      const double cost = descend(angles, [&](const Angles& x, double enough) {
         finger.bend(flexed({x, aside}, axes), bent);
         double sum = 0;
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < 3 && sum < enough; ++k)
           sum += touch(gap(bent, k, {&stick, 1})) +
                  1e4 * squared(beyond(x[k], most[k]) + beyond(5 * degree, x[k]));
         return sum;
@@ -80,7 +80,7 @@ ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, d
       add_finger(finger, flexed(wrap(finger, 0, closed.stick, axes), axes), closed);
     const std::vector<Vec3> points = palm.bent(closed.fingers);
     if (round == 3 || points.empty()) break;
-    const auto cost = [&](const Place& trial) {
+    const auto cost = [&](const Place& trial, double) {
       const Capsule stick = stick_at(trial);
       const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
       std::vector<double> places;

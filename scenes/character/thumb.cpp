@@ -27,8 +27,8 @@ DigitTurns Thumb::lay(std::span<const Capsule> wanted, std::span<const Capsule> 
       // Contacts make narrow valleys: it comes near first, and then they count more and more.
       double cost = 0;
       for (const double firmness : {0.001, 0.01, 0.1, 1.0})
-        cost = descend(x, [&](const Angles& trial) {
-          return discomfort(trial, wanted, things, tip, firmness, bent);
+        cost = descend(x, [&](const Angles& trial, double enough) {
+          return discomfort(trial, wanted, things, tip, firmness, enough, bent);
         });
       if (cost < least) {
         least = cost;
@@ -49,17 +49,26 @@ DigitTurns Thumb::turns(const Angles& x) const {
 
 double Thumb::discomfort(const Angles& x, std::span<const Capsule> wanted,
                          std::span<const Capsule> things, const Vec3& tip, double firmness,
-                         BentSkin& bent) const {
+                         double enough, BentSkin& bent) const {
   const DigitTurns turned = turns(x);
+  constexpr double rounding = 1e-9;
+  if ((1 - rounding) * with_unease(0, x, turned, tip) >= enough) return enough;
   digit_.bend(turned, bent);
-  double cost = touch(gap(bent, 1, wanted)) + touch(gap(bent, 2, wanted));
-  const auto first = wanted.first(1);
-  cost += touch(std::min({gap(bent, 0, first), gap(bent, 1, first), gap(bent, 2, first)}));
-  for (const double free :
-       {gap(bent, 0, wanted, skin_gap), gap(bent, BentSkin::root, wanted, skin_gap),
-        gap(bent, 1, things, skin_gap), gap(bent, 2, things, skin_gap)})
-    cost += 25 * squared((skin_gap - free) / mm);
-  cost *= firmness;
+  const auto first = wanted.first(1), others = wanted.subspan(1);
+  const double middle = gap(bent, 1, first), outer = gap(bent, 2, first);
+  double cost = touch(gap(bent, 1, others, middle)) + touch(gap(bent, 2, others, outer));
+  if (firmness * cost >= enough) return enough;
+  cost += touch(gap(bent, 0, first, std::min(middle, outer)));
+  for (const auto& [part, among] :
+       {std::pair{std::size_t{0}, wanted}, {BentSkin::root, wanted}, {1, things}, {2, things}}) {
+    if (firmness * cost >= enough) return enough;
+    cost += 25 * squared((skin_gap - gap(bent, part, among, skin_gap)) / mm);
+  }
+  return with_unease(firmness * cost, x, turned, tip);
+}
+
+double Thumb::with_unease(double cost, const Angles& x, const DigitTurns& turned,
+                          const Vec3& tip) const {
   constexpr Angles ease = {0.8, 0.8, 1.2, 0.6, 0.5}, most = {1.1, 1.1, 1.7, 1.1, 1.3};
   for (std::size_t i = 0; i < x.size(); ++i)
     cost += 0.3 * squared(x[i] / ease[i]) + 1e3 * squared(beyond(std::abs(x[i]), most[i]));

@@ -25,10 +25,12 @@ class Thumb {
       std::array<double, 5>;  // of the first joint about three axes; flexion of the others
 
   DigitTurns turns(const Angles& x) const;
-  /// `firmness`: the weight of contacts.
+  /// `firmness`: the weight of contacts. Counts no further than `enough`.
   double discomfort(const Angles& x, std::span<const Capsule> wanted,
                     std::span<const Capsule> things, const Vec3& tip, double firmness,
-                    BentSkin& bent) const;
+                    double enough, BentSkin& bent) const;
+  /// The cost with that of a thumb turned so, whatever it touches.
+  double with_unease(double cost, const Angles& x, const DigitTurns& turned, const Vec3& tip) const;
 
   Digit digit_;
   HandAxes axes_;

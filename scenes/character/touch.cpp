@@ -1,6 +1,7 @@
 #include "scenes/character/touch.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scenes/character/soft.h"
 
@@ -21,7 +22,16 @@ double gap(const BentSkin& bent, std::size_t part, std::span<const Capsule> thin
   const BentSkin::Ball& around = bent.balls[part];
   for (const Capsule& c : things) {
     if (distance(around.centre, c) - around.radius >= most) continue;
-    for (const Vec3& p : bent.part(part)) most = std::min(most, distance(p, c));
+    // As distance() has it, but for the root, which the nearest point alone needs.
+    const Vec3 axis = c.b - c.a;
+    const double length = axis.squaredNorm();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3& p : bent.part(part)) {
+      const Vec3 from = p - c.a;
+      const double t = std::clamp(from.dot(axis) / length, 0.0, 1.0);
+      nearest = std::min(nearest, (from - t * axis).squaredNorm());
+    }
+    most = std::min(most, std::sqrt(nearest) - c.radius);
   }
   return most;
 }

@@ -14,17 +14,18 @@ inline constexpr double mm = 0.001;
 inline constexpr double skin_gap = 0.7 * mm;  // left between skin and what it touches
 
 /// A cost of some numbers that compass search can lower: tries each up and down, and halves the
-/// stride when nothing helps.
+/// stride when nothing helps. `cost(x, enough)` may stop where it comes to `enough`, which is too
+/// much.
 template <std::size_t n, typename Cost>
 double descend(std::array<double, n>& x, Cost cost, double stride = 0.3, double finest = 0.004) {
-  double least = cost(x);
+  double least = cost(x, std::numeric_limits<double>::infinity());
   while (stride > finest) {
     bool better = false;
     for (std::size_t i = 0; i < n; ++i) {
       for (const double sign : {1.0, -1.0}) {
         std::array<double, n> y = x;
         y[i] += sign * stride;
-        const double trial = cost(y);
+        const double trial = cost(y, least);
         if (trial < least) {
           x = y;
           least = trial;
