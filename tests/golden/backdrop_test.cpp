@@ -8,7 +8,7 @@
 namespace taut::backdrop_test {
 namespace {
 
-constexpr int kWidth = 480, kHeight = 270;
+constexpr int kWidth = 320, kHeight = 180;
 
 picture::Picture draw(draw::StageRenderer& renderer, gl::Canvas& canvas,
                       const draw::FrameState& instant) {
@@ -18,16 +18,9 @@ picture::Picture draw(draw::StageRenderer& renderer, gl::Canvas& canvas,
   return canvas.finish();
 }
 
-/// By a camera with a lens of that relative aperture.
-void expect_frames_depend_on_their_instants(double relative_aperture) {
-  const scenes::Scene scene =
-      scenes::load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
-  const gl::Context context(gl::Backend::automatic);
-  draw::StageRenderer renderer(context, *scene.stage, scene.world);
-  gl::Canvas canvas(context, kWidth, kHeight, 4);
-
-  // The camera stands for a while, steps aside for one frame, and comes back; by then the hand is
-  // where it was not before.
+/// The camera stands for a while, steps aside for one frame, and comes back; by then the hand is
+/// where it was not before.
+std::vector<draw::FrameState> instants_of(const scenes::Scene& scene) {
   Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
   std::vector<draw::FrameState> instants;
   for (int i = 0; i < 7; ++i) {
@@ -37,10 +30,22 @@ void expect_frames_depend_on_their_instants(double relative_aperture) {
         snapshot(simulation.world()), {}, scenes::camera_at(scene.stage->camera, 0)};
     for (const auto& performance : scene.performances)
       instant.bones.push_back(performance->bones_at(time));
-    instant.camera.relative_aperture = relative_aperture;
     if (i == 5) instant.camera.position += Vec3(0.5, 0, 0);
     instants.push_back(instant);
   }
+  return instants;
+}
+
+/// By a camera with a lens of that relative aperture.
+void expect_frames_depend_on_their_instants(double relative_aperture) {
+  static const scenes::Scene scene =
+      scenes::load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
+  static const std::vector<draw::FrameState> played = instants_of(scene);
+  const gl::Context context(gl::Backend::automatic);
+  draw::StageRenderer renderer(context, *scene.stage, scene.world);
+  gl::Canvas canvas(context, kWidth, kHeight, 4);
+  std::vector<draw::FrameState> instants = played;
+  for (draw::FrameState& instant : instants) instant.camera.relative_aperture = relative_aperture;
   for (std::size_t i = 0; i < instants.size(); ++i) {
     gl::Canvas alone(context, kWidth, kHeight, 4);
     EXPECT_EQ(draw(renderer, canvas, instants[i]).pixels, draw(renderer, alone, instants[i]).pixels)

@@ -17,9 +17,14 @@ namespace {
 
 constexpr double kUntil = 0.3;  // s
 
+struct Motion {
+  scenes::GoldenTrajectory kept;
+  scenes::Scene scene;
+};
+
 /// The hash of the whole dynamic state at every frame.
-std::uint64_t motion_hash(const scenes::GoldenTrajectory& trajectory) {
-  const scenes::Scene scene = scenes::load_scene(trajectory.scene, false);
+std::uint64_t motion_hash(const Motion& motion) {
+  const auto& [trajectory, scene] = motion;
   Simulation simulation = scenes::start(scene, trajectory.method);
   Hash hash;
   const int last = std::min(trajectory.last, static_cast<int>(kUntil * scene.fps));
@@ -34,12 +39,13 @@ TEST(GoldenMotions, HaveTheSameBitsAgain) {
   const std::vector<scenes::GoldenTrajectory> all =
       scenes::load_golden_suite(std::filesystem::path(TAUT_SOURCE_DIR) / "tests/golden/motions")
           .trajectories;
-  std::vector<scenes::GoldenTrajectory> motions;
-  for (const scenes::GoldenTrajectory& motion : all)
-    if (!find_method(motion.method.name)->runs_alone) motions.push_back(motion);
+  std::vector<Motion> motions;
+  for (const scenes::GoldenTrajectory& kept : all)
+    if (!find_method(kept.method.name)->runs_alone)
+      motions.push_back({kept, scenes::load_scene(kept.scene, false)});
   ASSERT_FALSE(motions.empty());
   std::vector<std::uint64_t> once, again(motions.size());
-  for (const scenes::GoldenTrajectory& motion : motions) once.push_back(motion_hash(motion));
+  for (const Motion& motion : motions) once.push_back(motion_hash(motion));
 
   // In the reverse order, on four threads.
   std::atomic<std::size_t> taken{0};
@@ -52,7 +58,8 @@ TEST(GoldenMotions, HaveTheSameBitsAgain) {
       }
     });
   threads.clear();
-  for (std::size_t i = 0; i < motions.size(); ++i) EXPECT_EQ(once[i], again[i]) << motions[i].name;
+  for (std::size_t i = 0; i < motions.size(); ++i)
+    EXPECT_EQ(once[i], again[i]) << motions[i].kept.name;
 }
 
 }  // namespace
