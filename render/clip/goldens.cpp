@@ -63,8 +63,8 @@ struct Goldens::Set {
 
 Goldens::Goldens(const fs::path& folder, const std::vector<std::string>& only, gl::Backend backend,
                  int threads)
-    : suite_(scenes::load_golden_suite(folder)) {
-  if (!only.empty()) keep_only(only);
+    : suite_(scenes::load_golden_suite(folder, only)) {
+  check_names(only);
   if (suite_.frames.empty()) return;
   context_.emplace(backend, threads);
   driver_ = golden::driver_of(context_->description());
@@ -167,7 +167,7 @@ std::string Goldens::accept(const scenes::GoldenTrajectory& trajectory, bool sim
   return !kept ? "new" : moved ? "changed" : "as before";
 }
 
-void Goldens::keep_only(const std::vector<std::string>& names) {
+void Goldens::check_names(const std::vector<std::string>& names) const {
   const auto named = [](const auto& all, const std::string& name) {
     return std::ranges::any_of(all, [&](const auto& one) { return one.name == name; });
   };
@@ -175,11 +175,6 @@ void Goldens::keep_only(const std::vector<std::string>& names) {
     if (!named(suite_.frames, name) && !named(suite_.trajectories, name))
       throw program::Misuse(
           fmt::format("--only {}: {} names nothing so", name, suite_.folder.string()));
-  const auto other = [&](const auto& one) {
-    return std::ranges::find(names, one.name) == names.end();
-  };
-  std::erase_if(suite_.frames, other);
-  std::erase_if(suite_.trajectories, other);
 }
 
 bool Goldens::is_kept(const scenes::GoldenFrame& frame) const {

@@ -43,7 +43,7 @@ class Goldens {
 
  private:
   struct Set;
-  void keep_only(const std::vector<std::string>& names);
+  void check_names(const std::vector<std::string>& names) const;
   std::filesystem::path file(const scenes::GoldenFrame& frame, const char* extension) const;
   std::filesystem::path file(const scenes::GoldenTrajectory& trajectory) const;
   bool is_kept(const scenes::GoldenFrame& frame) const;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <ranges>
 
 #include "scenes/format/format.h"
 #include "scenes/load/load_scene.h"
@@ -85,10 +87,14 @@ struct Kept {
   double within = 0;
 };
 
-Kept read_kept(const Document& document, const Value& value, std::string_view key) {
+/// Scenes by their files, each read once, however much of it is kept.
+using Scenes = std::map<std::filesystem::path, Scene>;
+
+Kept read_kept(const Document& document, const Value& value, std::string_view key, Scenes& scenes) {
   Kept kept;
   kept.scene = find_file(document, *value.find("scene"));
-  const Scene scene = load_scene(kept.scene, false);
+  if (!scenes.contains(kept.scene)) scenes.emplace(kept.scene, load_scene(kept.scene, false));
+  const Scene& scene = scenes.at(kept.scene);
   const Value& time = *value.find(key);
   kept.frame = static_cast<int>(std::lround(time.number * scene.fps));
   if (kept.frame >= scene.frames())
@@ -101,11 +107,12 @@ Kept read_kept(const Document& document, const Value& value, std::string_view ke
 
 }  // namespace
 
-GoldenSuite load_golden_suite(const std::filesystem::path& folder) {
-  return golden_suite_from(read_document(folder / "golden.toml"));
+GoldenSuite load_golden_suite(const std::filesystem::path& folder,
+                              const std::vector<std::string>& only) {
+  return golden_suite_from(read_document(folder / "golden.toml"), only);
 }
 
-GoldenSuite golden_suite_from(const Document& document) {
+GoldenSuite golden_suite_from(const Document& document, const std::vector<std::string>& only) {
   check_format(document, suite_format());
   GoldenSuite suite;
   suite.folder = document.file.parent_path();
@@ -118,17 +125,21 @@ GoldenSuite golden_suite_from(const Document& document) {
   const Value* trajectories = document.root.find("trajectories");
   if (!frames && !trajectories)
     document.fail(document.root, "expected one of: frames, trajectories");
+  const auto is_wanted = [&](const Value& value) {
+    return only.empty() || std::ranges::find(only, value.name) != only.end();
+  };
+  Scenes scenes;
   if (frames) {
-    for (const Value& value : frames->children) {
-      Kept kept = read_kept(document, value, "time");
+    for (const Value& value : frames->children | std::views::filter(is_wanted)) {
+      Kept kept = read_kept(document, value, "time", scenes);
       suite.frames.push_back({value.name, std::move(kept.scene), kept.frame, std::move(kept.method),
                               kept.within,
                               fmt::format("{}:{}", document.file.string(), value.key_place.line)});
     }
   }
   if (trajectories) {
-    for (const Value& value : trajectories->children) {
-      Kept kept = read_kept(document, value, "until");
+    for (const Value& value : trajectories->children | std::views::filter(is_wanted)) {
+      Kept kept = read_kept(document, value, "until", scenes);
       suite.trajectories.push_back(
           {value.name, std::move(kept.scene), kept.frame, std::move(kept.method), kept.within});
     }

@@ -37,9 +37,11 @@ struct GoldenSuite {
   std::vector<GoldenTrajectory> trajectories;
 };
 
-/// Reads FOLDER/golden.toml. Throws BadScene, also for faults of a scene that it names.
-GoldenSuite load_golden_suite(const std::filesystem::path& folder);
+/// Reads FOLDER/golden.toml: what has those names, or everything. Throws BadScene, also for faults
+/// of a scene that is read.
+GoldenSuite load_golden_suite(const std::filesystem::path& folder,
+                              const std::vector<std::string>& only = {});
 /// The same of a document that was read already.
-GoldenSuite golden_suite_from(const Document& document);
+GoldenSuite golden_suite_from(const Document& document, const std::vector<std::string>& only = {});
 
 }  // namespace taut::scenes
