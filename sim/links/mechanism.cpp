@@ -101,6 +101,17 @@ void Mechanism::follow(double time, const std::vector<double>& state) {
   material_.follow(state.data());
 }
 
+std::optional<Mechanism::ClampOnBody> Mechanism::clamp_on_body(
+    const material::BendElement& bend) const {
+  for (const auto& at : material_.body_clamps()) {
+    if (at.clamp == bend.clamp) {
+      return ClampOnBody{static_cast<std::uint32_t>(free_index_[at.body]),
+                         material_.direction(at.clamp)};
+    }
+  }
+  return {};
+}
+
 void Mechanism::update(double time, double* state) {
   place(time, state);
   if (material_.any() || has_winches()) add_forces(state);
@@ -116,6 +127,11 @@ void Mechanism::place(double time, double* state) {
     point_acceleration_[point] = motion.acceleration;
   }
   if (material_.any()) material_.place(*world_, time);
+  for (const auto& at : material_.body_clamps()) {
+    const std::size_t body = free_index_[at.body];
+    const Vec3 direction = quaternion(state + pose(body) + 3).normalized() * at.direction;
+    material_.turn(at.clamp, {direction, vector(state + twist(body) + 3).cross(direction)});
+  }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     FreeBody& body = bodies_[b];
     const Mat3 turn = quaternion(state + pose(b) + 3).normalized().toRotationMatrix();

@@ -82,6 +82,13 @@ class Mechanism {
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<FreeBody>& bodies() const { return bodies_; }
   const std::vector<BodyPoint>& body_points() const { return body_points_; }
+  /// The free body, of bodies(), and the direction (world axes) of a bend's clamp at the instant of
+  /// the last place(). Nothing where no free body turns it.
+  struct ClampOnBody {
+    std::uint32_t body = 0;
+    Vec3 direction = Vec3::Zero();
+  };
+  std::optional<ClampOnBody> clamp_on_body(const material::BendElement& bend) const;
   const std::vector<RowEnd>& row_ends() const { return row_ends_; }
   /// Whether connectors are joined, so that more than two rows of a kind may meet at a point.
   bool is_joined() const { return !joined_.empty(); }
@@ -98,7 +105,8 @@ class Mechanism {
   /// Adds the forces (N) at each point of the material that flows past it, at the instant of the
   /// last place(), pulleys' accelerations aside.
   void add_flow(const double* state, std::vector<Vec3>& force) const;
-  /// The velocity (m/s) of rope that a winch moves past a point, at the instant of the last place().
+  /// The velocity (m/s) of rope that a winch moves past a point, at the instant of the last
+  /// place().
   Vec3 flow_past(std::size_t point, const double* state) const;
   std::size_t pulleys() const { return pulleys_.size(); }
   /// The numbers in an array of rows, pulleys behind them.

@@ -170,6 +170,7 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
   twists_.clear();
   leaders_.clear();
   clamps_.clear();
+  body_clamps_.clear();
   rest_.clear();
   if (!any_) return;
   stretches_.reserve(room);
@@ -189,9 +190,10 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
     const std::uint32_t clamps = material::add_bends(connector, before, first, bends_);
     for (std::size_t h = 0; h < connector.holds.size() && clamps > 0; ++h) {
       if (!is_clamped(connector.holds[h])) continue;
-      if (!is_prescribed(world, connector.holds[h].to)) {
-        throw std::invalid_argument("connector " + connector.name +
-                                    " is clamped to a free body, which is not known");
+      const Hold& hold = connector.holds[h];
+      if (!is_prescribed(world, hold.to)) {
+        body_clamps_.push_back(
+            {static_cast<std::uint32_t>(clamps_.size()), hold.to.body, hold.clamp.normalized()});
       }
       clamps_.push_back({c, h, {}, {}});
     }

@@ -70,8 +70,7 @@ void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
 class MaterialForces {
  public:
   /// Lays the world's elements out, with room for so many points; where connectors are joined,
-  /// between the points of find_leaders(). Throws std::invalid_argument where a free body clamps a
-  /// connector.
+  /// between the points of find_leaders().
   void rebuild(const World& world, std::size_t room, std::span<const std::uint32_t> leaders = {});
 
   bool any() const { return any_; }
@@ -83,6 +82,16 @@ class MaterialForces {
 
   /// Turns the clamps to where they are at `time` (s), and the wind to what it is then.
   void place(const World& world, double time);
+  /// The clamps that free bodies turn: place() takes their turns from the world, which may be of
+  /// another time.
+  struct BodyClamp {
+    std::uint32_t clamp = 0;         // BendElement::clamp
+    std::size_t body = 0;            // of World::bodies
+    Vec3 direction = Vec3::UnitX();  // in the body's axes
+  };
+  const std::vector<BodyClamp>& body_clamps() const { return body_clamps_; }
+  const Vec3& direction(std::uint32_t clamp) const { return clamps_[clamp].motion.direction; }
+  void turn(std::uint32_t clamp, const ClampMotion& motion) { clamps_[clamp].motion = motion; }
   // Where a winch changes lengths:
   /// gives the link behind a point another rest length (m);
   void set_rest(std::uint32_t point, double rest) { rest_[point] = rest; }
@@ -162,6 +171,7 @@ class MaterialForces {
   std::vector<TwistElement> twists_;
   std::vector<std::uint32_t> leaders_;  // of the points; empty: each stands for itself
   std::vector<Clamp> clamps_;
+  std::vector<BodyClamp> body_clamps_;
   struct Lengths {
     double before = 0, behind = 0;  // m, at rest
   };

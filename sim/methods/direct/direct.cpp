@@ -42,6 +42,7 @@ class Direct : public Method {
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
       require("direct", world);
+      allows_implicit_step_ = (features(world) & (kPulleyFeatures | Feature::span)).empty();
       is_combined_ = find_refusal(abilities_without_implicit_step(), world).has_value();
     }
     if (options_.step > 0) step_count(until - world.time, options_.step);  // throws
@@ -190,7 +191,23 @@ class Direct : public Method {
 
   void advance_joined(World& world, double until) {
     if (!joined_) joined_ = std::make_unique<direct::Joined>(options_);
-    count_on(*joined_, [&] { joined_->advance(world, until); });
+    if (allows_implicit_step_ && joined_->is_stiff(world)) {
+      is_combined_ = true;
+      return advance_implicit(world, until);
+    }
+    try {
+      count_on(*joined_, [&] { joined_->advance(world, until); });
+    } catch (const Diverged& stop) {
+      // Links that fold through their full length may have no explicit step.
+      if (!allows_implicit_step_ || !stop.reason.starts_with("no step")) throw;
+      const std::exception_ptr first = std::current_exception();
+      try {
+        advance_implicit(world, until);
+      } catch (const Diverged&) {
+        std::rethrow_exception(first);
+      }
+      is_combined_ = true;
+    }
   }
 
   void advance_implicit(World& world, double until) {
@@ -282,6 +299,7 @@ class Direct : public Method {
   bool built_ = false;
   std::uint64_t topology_ = 0;
   bool is_combined_ = false;  // the world has features that only implicit steps follow together
+  bool allows_implicit_step_ = false;
   bool left_behind_ = false;  // parts of the world, by advance_near()
   direct::FollowedParts parts_{options_};
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
@@ -353,9 +371,11 @@ MethodInfo direct_method() {
         return std::make_unique<Direct>(options);
       },
       .abilities =
-          {Features::all() - Feature::clamp_on_body,
+          {Features::all(),
            {
-               {kJointFeatures | Features{Feature::material_on_body, Feature::hinge} |
+               {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
+               {kJointFeatures |
+                    Features{Feature::clamp_on_body, Feature::material_on_body, Feature::hinge} |
                     kContactFeatures | Feature::strings,
                 Feature::span},
                {kPulleyFeatures, kContactFeatures | Feature::strings},

@@ -384,6 +384,13 @@ void ImplicitStep::assemble_materials(const Problem& problem) {
     Relative first, second;
     if (!bend.clamped_before()) first = relative(bend.a, bend.b);
     if (!bend.clamped_behind()) second = relative(bend.b, bend.c);
+    if (const auto clamp = mechanism_.clamp_on_body(bend)) {
+      // The tip of a vector of the body past its tail.
+      Relative& turned = bend.clamped_before() ? first : second;
+      const std::uint32_t at = body_[clamp->body];
+      turned.add({.at = at, .body = true, .weight = 1, .arm = clamp->direction});
+      turned.add({.at = at, .body = true, .weight = -1});
+    }
     push(first, -by_e0);
     push(second, -by_e1);
     block(first, first, k.e0_e0);
@@ -837,14 +844,61 @@ void ImplicitStep::start_at(const StepState& from) {
   }
 }
 
-/// Velocities after the impacts of a moment.
+/// The kinetic energy (J) of velocities and spins at the places of a jump.
+double ImplicitStep::kinetic_energy(const std::vector<double>& unknowns) const {
+  double twice = 0;
+  const auto& easy = mechanism_.inverse_mass();
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (easy[p] != 0) twice += vec(&unknowns[node_[p]]).squaredNorm() / easy[p];
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const auto& body = mechanism_.bodies()[b];
+    const Vec3 spin = start_turn_[b].normalized().conjugate() * vec(&unknowns[body_[b] + 3]);
+    twice +=
+        vec(&unknowns[body_[b]]).squaredNorm() / body.inverse_mass + spin.dot(body.inertia * spin);
+  }
+  return twice / 2;
+}
+
+/// Velocities after the impacts of a moment. Where Newton's restitution would gain energy, as it
+/// may where an impact is felt by others through links and friction, all bounces are as much
+/// smaller as keeps it.
 bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
   Problem problem{.time = to.time};
   start_at(to);
   gather(before, wanted_);
-  std::ranges::copy(wanted_, unknown_.begin());
-  std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
-  if (!solve(problem)) return false;
+  const auto solve_with = [&](double share, const std::vector<double>& bounce) {
+    for (std::size_t c = 0; c < bounce_.size(); ++c) bounce_[c] = share * bounce[c];
+    std::ranges::copy(wanted_, unknown_.begin());
+    std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
+    return solve(problem);
+  };
+  const std::vector<double> bounce = bounce_;
+  if (!solve_with(1, bounce)) return false;
+  if (std::ranges::any_of(bounce, [](double speed) { return speed > 0; })) {
+    const double energy = kinetic_energy(wanted_);
+    double low = 0, high = 1, gained = kinetic_energy(unknown_) - energy, lost = -energy;
+    // The Illinois variant of the false position.
+    for (int i = 0; i < 40 && gained > 1e-13 * energy; ++i) {
+      const double share = low + (high - low) * lost / (lost - gained);
+      if (!solve_with(share, bounce)) return false;
+      const double change = kinetic_energy(unknown_) - energy;
+      if (change <= 0 && change >= -1e-12 * energy) break;
+      if (change > 0) {
+        high = share;
+        gained = change;
+        lost /= 2;
+      } else {
+        low = share;
+        lost = change;
+        gained /= 2;
+      }
+      if (high - low < 1e-14) {
+        if (!solve_with(low, bounce)) return false;
+        break;
+      }
+    }
+  }
   to.state = state_;
   return true;
 }

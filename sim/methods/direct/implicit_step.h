@@ -152,6 +152,7 @@ class ImplicitStep {
   Vec3 direction(const Link& link) const;
   double held_rate(const Link& link) const;
   bool jump(StepState& to, std::span<const double> before);
+  double kinetic_energy(const std::vector<double>& unknowns) const;
   void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);
   void keep_contacts(StepState& to);
   void measure_speed(const StepState& at);

@@ -66,6 +66,15 @@ void Joined::rebuild(const World& world) {
   find_material_waves();
 }
 
+bool Joined::is_stiff(const World& world) {
+  constexpr double kStiff = 5e4;  // rad/s
+  if (!built_ || topology_ != world.topology) {
+    rebuild(world);
+    shown_.clear();
+  }
+  return material_waves_ > kStiff;
+}
+
 void Joined::find_material_waves() {
   material_waves_ = 0;
   if (!mechanism_.material().any()) return;

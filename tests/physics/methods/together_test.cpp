@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 #include "sim/world/shape.h"
 #include "sim/world/winched.h"
@@ -144,6 +145,103 @@ TEST(Together, AWinchLetsAWeightDown) {
   EXPECT_NEAR(simulation.world().connectors[0].position.back().y(), -1 - paid, 2e-4);
   simulation.advance_to(2.5);
   EXPECT_NEAR(simulation.world().connectors[0].position.back().y(), -1.2 + kRadius, 2e-4);
+}
+
+/// A rope that bends, clamped to a free body at the origin, without gravity. It starts straight,
+/// with its tip thrown aside.
+World clamped_to_body(double mass, double inertia) {
+  World world;
+  world.gravity = Vec3::Zero();
+  Body body;
+  body.name = "hub";
+  body.mass_properties.mass = mass;
+  body.mass_properties.inertia = inertia * Mat3::Identity();
+  world.bodies = {body};
+  const Vec3 grip(0.02, 0, 0);
+  Connector rope = straight_connector("rope", 0.5, 0.1, 11, grip, Vec3::UnitX());
+  rope.holds = {{0, worlds::on_body(0, grip)}};
+  rope.holds[0].clamp = Vec3::UnitX();
+  Section section;
+  section.bending_stiffness = 0.05;
+  section.diameter = 0.01;
+  rope.sections.assign(rope.links(), section);
+  for (std::size_t i = 1; i <= 10; ++i) {
+    rope.velocity[i] = 0.01 * static_cast<double>(i * i) * Vec3(0, 1, 0.5);
+  }
+  world.connectors = {rope};
+  finish(world);
+  return world;
+}
+
+// A body so heavy that nothing moves it clamps a rope as a fixed place does.
+TEST(Together, AHeavyBodyClampsLikeAWall) {
+  const World on_body = clamped_to_body(1e9, 1e9);
+  World at_wall = on_body;
+  at_wall.bodies.clear();
+  at_wall.connectors[0].holds[0].to = worlds::fixed_at(on_body.connectors[0].position[0]);
+  finish(at_wall);
+  Simulation first = by_direct(on_body, 1e-5), second = by_direct(at_wall, 1e-6);
+  for (const double time : {0.1, 0.2, 0.4}) {
+    first.advance_to(time);
+    second.advance_to(time);
+    for (std::size_t i = 0; i <= 10; ++i) {
+      const Vec3 apart =
+          first.world().connectors[0].position[i] - second.world().connectors[0].position[i];
+      EXPECT_LT(apart.norm(), 1e-5) << time << " " << i;
+    }
+  }
+}
+
+// A light body turns with the rope that is clamped to it; nothing else takes their momenta.
+TEST(Together, AClampedBodyTurnsWithTheRope) {
+  const auto momenta = [](const World& world) {
+    const Body& body = world.bodies[0];
+    const Mat3 turn = body.rotation.toRotationMatrix();
+    Vec3 linear = body.mass_properties.mass * body.velocity;
+    Vec3 angular = body.position.cross(linear) +
+                   turn * body.mass_properties.inertia * turn.transpose() * body.spin;
+    const Connector& rope = world.connectors[0];
+    for (std::size_t i = 1; i < rope.particles(); ++i) {
+      linear += rope.particle_mass[i] * rope.velocity[i];
+      angular += rope.particle_mass[i] * rope.position[i].cross(rope.velocity[i]);
+    }
+    return std::pair(linear, angular);
+  };
+  const World start = clamped_to_body(0.05, 5e-5);
+  Simulation simulation = by_direct(start, 1e-5);
+  simulation.advance_to(0.5);
+  const World& end = simulation.world();
+  EXPECT_GT(end.bodies[0].spin.norm(), 0.1);
+  EXPECT_LT((momenta(end).first - momenta(start).first).norm(), 1e-4 * momenta(start).first.norm());
+  EXPECT_LT((momenta(end).second - momenta(start).second).norm(),
+            1e-4 * momenta(start).second.norm());
+  EXPECT_NEAR(energy(end), energy(start), 1e-4 * energy(start));
+}
+
+// A rod that bends is thrown on a floor; it bounces with all of its speed, and rubs.
+TEST(Together, ABouncingBentRopeGainsNoEnergy) {
+  for (const double friction : {0.0, 0.3, 1.0}) {
+    World world;
+    Connector rope =
+        straight_connector("rope", 0.5, 0.2, 11, Vec3(0, 0.6, 0), worlds::from_down(50));
+    rope.radius = kRadius;
+    Section section;
+    section.bending_stiffness = 0.02;
+    section.diameter = 2 * kRadius;
+    rope.sections.assign(rope.links(), section);
+    for (Vec3& velocity : rope.velocity) velocity = Vec3(0.5, -1, 0.2);
+    world.connectors = {rope};
+    world.obstacles = {floor_at(0, friction, 1)};
+    finish(world);
+    const double start = energy(world);
+    Simulation simulation = by_direct(world, 1e-4);
+    double most = 0;
+    for (int frame = 1; frame <= 30; ++frame) {
+      simulation.advance_to(frame / 30.0);
+      most = std::max(most, energy(simulation.world()) - start);
+    }
+    EXPECT_LT(most, 1e-4 * start) << friction;
+  }
 }
 
 }  // namespace
