@@ -36,7 +36,7 @@ bool same_state(const Body& a, const Body& b) {
 
 /// Steps are of second order: finer ones are those of a tolerance that is lower by their square.
 Contacts::Contacts(const StepOptions& options, std::function<std::unique_ptr<Method>()> make)
-    : options_(options), make_(std::move(make)) {
+    : given_(options), options_(options), make_(std::move(make)) {
   options_.tolerance /= options.finer * options.finer;
 }
 
@@ -115,7 +115,24 @@ void Contacts::prepare(const World& world) {
     made->strings = has_strings(part);
     made->links = make_();
     made->step.rebuild(part, obstacles_, made->pairs, made->bead_pairs);
+    make_implicit(world, *made);
     begin(*made);
+  }
+}
+
+/// Sets up Implicit for bodies without connectors, where friction or others of them stop them.
+void Contacts::make_implicit(const World& world, Group& group) const {
+  World& touching = group.touching = group.part;
+  touching.obstacles = world.obstacles;
+  touching.pairs = group.pairs;
+  touching.bead_pairs = group.bead_pairs;
+  touching.topology = structure(touching);
+  const Features used = features(touching);
+  const bool is_rough = used.has(Feature::friction) || used.has(Feature::body_pairs);
+  if (group.connectors.empty() && is_rough && given_.step == 0) {
+    group.implicit = std::make_unique<Implicit>(given_);
+  } else {
+    touching = {};
   }
 }
 
@@ -148,7 +165,7 @@ void Contacts::write(const Group& group, World& world) {
 
 /// Goes on from what the part shows.
 void Contacts::begin(Group& group) {
-  group.steps = group.is_noted = group.is_back = false;
+  group.steps = group.is_noted = group.is_back = group.by_implicit = false;
   group.now = group.part;
   group.from = group.time = group.end = group.part.time;
   group.stop = nullptr;
@@ -194,6 +211,9 @@ void Contacts::give_up(const World& part, const Group& group) const {
 Counters Contacts::counters() const {
   Counters sum = counters_;
   for (const auto& group : groups_) {
+    for (const auto* implicit : {&group->implicit, &group->shown_implicit}) {
+      if (*implicit) sum += (*implicit)->counters();
+    }
     for (const auto* method : {&group->links, &group->shown_links}) {
       if (!*method) continue;
       sum += (*method)->counters();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/methods/direct/contact/contact_step.h"
+#include "sim/methods/direct/implicit.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/run/method.h"
 
@@ -16,9 +17,10 @@ namespace taut::direct {
 /// Follows a world in groups that move without each other: connectors with the free bodies that
 /// they hold or may touch and those that these may touch. While nothing of a group can reach an
 /// obstacle, or bodies each other, before the next check, a method that knows no contact follows
-/// it, and leaves the same bits as in a world without. Else ContactStep does, with steps that
-/// follow from the tolerance. The times that are asked for end no step of either: what is shown at
-/// a time within one is followed from where that step began, and left behind.
+/// it, and leaves the same bits as in a world without. Else Implicit does for bodies
+/// without connectors, where friction or other bodies stop them; and ContactStep the rest, and
+/// where Implicit finds no step. The times that are asked for end no step of either: what is shown
+/// at a time within one is followed from where that step began, and left behind.
 class Contacts {
  public:
   /// `make` makes methods that follow links without obstacles.
@@ -39,6 +41,10 @@ class Contacts {
     std::vector<BodyPair> pairs;                  // of the part's bodies
     std::vector<BeadPair> bead_pairs;             // of the part's connectors and bodies
     std::unique_ptr<Method> links, shown_links;
+    // Of bodies without connectors: it ends its steps at `end`; another one shows what is between.
+    std::unique_ptr<Implicit> implicit, shown_implicit;
+    World touching;            // the part with all that it may touch, for these
+    bool by_implicit = false;  // `now` is what Implicit made of `before`
     ContactStep step;
     ContactStep::Past before_step, present;  // of ContactStep
     bool strings = false;       // some of its links are: ContactStep follows it throughout
@@ -69,10 +75,14 @@ class Contacts {
                            double within);
   [[noreturn]] void give_up(const World& part, const Group& group) const;
 
+  void make_implicit(const World& world, Group& group) const;
+
   // Steps (contacts_steps.cpp).
   double next_end(double time) const;
   void follow(Group& group, double until);
   bool follow_links(Group& group, double until);
+  bool follow_implicit(Group& group);
+  static void advance_touching(Group& group, Implicit& by, World& part, double until);
   void begin_steps(Group& group);
   void take_step(Group& group, double until);
   double attempt(ContactStep& step, double time, double h, double slippery, int located);
@@ -83,7 +93,7 @@ class Contacts {
   void show(Group& group, double until);
   void show_within_step(Group& group, double until);
 
-  StepOptions options_;
+  StepOptions given_, options_;  // the second: of ContactStep, which is of second order
   std::function<std::unique_ptr<Method>()> make_;
   std::vector<Obstacle> obstacles_;
   std::vector<std::unique_ptr<Group>> groups_;

@@ -37,7 +37,9 @@ void Contacts::follow(Group& group, double until) {
   while (group.time < until) {
     if (group.time >= group.end) {
       group.end = next_end(group.time);
+      group.by_implicit = false;
       if (!group.strings && follow_links(group, until)) continue;
+      if (group.implicit && follow_implicit(group)) continue;
     }
     take_step(group, until);
   }
@@ -63,6 +65,46 @@ bool Contacts::follow_links(Group& group, double until) {
     return false;
   }
   group.steps = false;
+  group.from = group.time;
+  group.time = group.end;
+  return true;
+}
+
+/// Lets Implicit move a part to `until` (s).
+void Contacts::advance_touching(Group& group, Implicit& by, World& part, double until) {
+  const auto copy = [](const World& from, World& to) {
+    to.time = from.time;
+    for (std::size_t b = 0; b < from.bodies.size(); ++b) {
+      to.bodies[b].position = from.bodies[b].position;
+      to.bodies[b].rotation = from.bodies[b].rotation;
+      to.bodies[b].velocity = from.bodies[b].velocity;
+      to.bodies[b].spin = from.bodies[b].spin;
+    }
+    for (std::size_t c = 0; c < from.connectors.size(); ++c) {
+      to.connectors[c].position = from.connectors[c].position;
+      to.connectors[c].velocity = from.connectors[c].velocity;
+    }
+  };
+  copy(part, group.touching);
+  by.advance(group.touching, until);
+  copy(group.touching, part);
+}
+
+/// Follows a group with friction as far as steps end; false where Implicit finds no step.
+bool Contacts::follow_implicit(Group& group) {
+  if (group.steps) {
+    return_to_present(group);
+    group.step.store(group.now, group.time);
+  }
+  group.before = group.now;
+  try {
+    advance_touching(group, *group.implicit, group.now, group.end);
+  } catch (const Diverged&) {
+    group.now = group.before;
+    return false;
+  }
+  group.steps = false;
+  group.by_implicit = true;
   group.from = group.time;
   group.time = group.end;
   return true;
@@ -194,6 +236,10 @@ void Contacts::show(Group& group, double until) {
     group.step.store(part, until);
   } else if (until == group.time) {
     part = group.now;
+  } else if (group.by_implicit) {
+    if (!group.shown_implicit) group.shown_implicit = std::make_unique<Implicit>(given_);
+    part = group.before;
+    advance_touching(group, *group.shown_implicit, part, until);
   } else {
     if (!group.shown_links) group.shown_links = make_();
     part = group.before;

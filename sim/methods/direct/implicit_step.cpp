@@ -718,7 +718,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
 /// force weighs against a velocity in the conditions of contact decides whether they converge, but
 /// not on what: other weights are tried.
 bool ImplicitStep::solve(const Problem& problem) {
-  const double enough = std::max(accuracy_, 1e-10 * speed_);
+  const double enough = problem.forces ? std::max(accuracy_, 1e-10 * speed_) : 1e-12 * speed_;
   const bool one_sided = !contacts_.empty() ||
                          std::ranges::any_of(links_, [](const Link& link) { return link.pulls; });
   const std::vector<double> start = unknown_;

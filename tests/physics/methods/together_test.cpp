@@ -147,6 +147,37 @@ TEST(Together, AWinchLetsAWeightDown) {
   EXPECT_NEAR(simulation.world().connectors[0].position.back().y(), -1.2 + kRadius, 2e-4);
 }
 
+Body ball(const char* name, double mass, double radius, const Vec3& at) {
+  Body made;
+  made.name = name;
+  made.mass_properties = solid_sphere(mass, radius);
+  made.position = at;
+  made.capsule.radius = radius;
+  return made;
+}
+
+// A body slides up a slope, stops by friction, and slides back.
+TEST(Together, ABodySlidesUpASlopeAndBack) {
+  constexpr double kSlope = std::numbers::pi / 6, kFriction = 0.25, kSpeed = 1.7;
+  World world;
+  world.gravity = worlds::kGravity * Vec3(-std::sin(kSlope), -std::cos(kSlope), 0);
+  Body body = ball("puck", 0.2, kRadius, Vec3(0, kRadius, 0));
+  body.mass_properties.inertia = 1e3 * Mat3::Identity();  // it does not roll
+  body.velocity.x() = kSpeed;
+  world.bodies = {body};
+  world.obstacles = {floor_at(0, kFriction)};
+  finish(world);
+  const double up = worlds::kGravity * (std::sin(kSlope) + kFriction * std::cos(kSlope)),
+               down = worlds::kGravity * (std::sin(kSlope) - kFriction * std::cos(kSlope));
+  const double stop = kSpeed / up;
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    Simulation simulation = by_direct(world, tolerance);
+    simulation.advance_to(1);
+    EXPECT_NEAR(simulation.world().bodies[0].position.x(),
+                kSpeed * stop / 2 - down * (1 - stop) * (1 - stop) / 2, 0.1 * tolerance);
+  }
+}
+
 /// A rope that bends, clamped to a free body at the origin, without gravity. It starts straight,
 /// with its tip thrown aside.
 World clamped_to_body(double mass, double inertia) {
