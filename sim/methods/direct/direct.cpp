@@ -28,7 +28,10 @@ const Abilities& abilities_without_implicit_step() {
            kContactFeatures},
           {kMaterialFeatures | kJointFeatures, Feature::strings},
           {kJointFeatures | kReelFeatures, kContactFeatures},
-          {kReelFeatures, Feature::strings},
+          {kReelFeatures, Features{Feature::strings, Feature::span}},
+          {kJointFeatures | Features{Feature::material_on_body, Feature::hinge} | kContactFeatures |
+               Feature::strings,
+           Feature::span},
       }};
   return abilities;
 }
@@ -42,7 +45,7 @@ class Direct : public Method {
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
       require("direct", world);
-      allows_implicit_step_ = (features(world) & (kPulleyFeatures | Feature::span)).empty();
+      allows_implicit_step_ = (features(world) & kPulleyFeatures).empty();
       is_combined_ = find_refusal(abilities_without_implicit_step(), world).has_value();
     }
     if (options_.step > 0) step_count(until - world.time, options_.step);  // throws
@@ -374,12 +377,8 @@ MethodInfo direct_method() {
           {Features::all(),
            {
                {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
-               {kJointFeatures |
-                    Features{Feature::clamp_on_body, Feature::material_on_body, Feature::hinge} |
-                    kContactFeatures | Feature::strings,
-                Feature::span},
-               {kPulleyFeatures, kContactFeatures | Feature::strings},
-               {kReelFeatures, Feature::span},
+               {kPulleyFeatures, kContactFeatures | Feature::strings | Feature::span},
+               {kReelFeatures, Feature::span, {}, Apart::Within::connector},
                {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
            }},
       .parts_go_on = true,

@@ -92,6 +92,17 @@ double Implicit::size(const StepState& one, const StepState& other) const {
 }
 
 void Implicit::advance(World& world, double until) {
+  if (!has_spans(world)) return advance_strings(world, until);
+  if (!built_ || spans_topology_ != world.topology) {
+    spans_topology_ = world.topology;
+    spans_.rebuild(world);
+  }
+  spans_.read(world);
+  advance_strings(spans_.world(), until);
+  spans_.write(world);
+}
+
+void Implicit::advance_strings(World& world, double until) {
   const bool fresh = !built_ || topology_ != world.topology;
   if (fresh) rebuild(world);
   if (!fresh) {

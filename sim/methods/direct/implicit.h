@@ -6,6 +6,7 @@
 
 #include "sim/methods/direct/implicit_step.h"
 #include "sim/methods/direct/integrator.h"
+#include "sim/methods/direct/spans_as_strings.h"
 #include "sim/run/method.h"
 #include "sim/world/world.h"
 
@@ -23,6 +24,7 @@ class Implicit {
   const Counters& counters() const { return counters_; }
 
  private:
+  void advance_strings(World& world, double until);
   void rebuild(const World& world);
   void follow(const World& world, double until);
   double allowed_error(double h) const;
@@ -34,6 +36,8 @@ class Implicit {
   Counters counters_;
   bool built_ = false;
   std::uint64_t topology_ = 0;
+  SpansAsStrings spans_;
+  std::uint64_t spans_topology_ = 0;  // of the world with spans
   ImplicitStep step_;
   StepState now_, middle_, end_, whole_;
   std::vector<double> shown_, loaded_;  // the state that advance() left in the world; found there

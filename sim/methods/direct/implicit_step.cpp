@@ -132,6 +132,7 @@ void ImplicitStep::lay_out(const StepState& from) {
   column_scale_.resize(unknowns_);
   meetings_.resize(contacts_.size());
   bounce_.assign(contacts_.size(), 0.0);
+  snap_.assign(links_.size(), 0.0);
   law_.assign(contacts_.size(), 0);
   if (shape == shape_of_) return;
   shape_of_ = shape;
@@ -470,7 +471,7 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
           by_rate = 0;
           by_tension = 1;
         } else {
-          const auto law = complementarity(tension / scaled, -rate, kappa);
+          const auto law = complementarity(tension / scaled, -rate - snap_[k], kappa);
           out = law.value;
           by_rate = -law.by_w;
           by_tension = law.by_p + (law.by_w > 0 ? kProximal : 0);
@@ -867,21 +868,23 @@ bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
   Problem problem{.time = to.time};
   start_at(to);
   gather(before, wanted_);
-  const auto solve_with = [&](double share, const std::vector<double>& bounce) {
+  const std::vector<double> bounce = bounce_, snap = snap_;
+  const auto solve_with = [&](double share) {
     for (std::size_t c = 0; c < bounce_.size(); ++c) bounce_[c] = share * bounce[c];
+    for (std::size_t k = 0; k < snap_.size(); ++k) snap_[k] = share * snap[k];
     std::ranges::copy(wanted_, unknown_.begin());
     std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
     return solve(problem);
   };
-  const std::vector<double> bounce = bounce_;
-  if (!solve_with(1, bounce)) return false;
-  if (std::ranges::any_of(bounce, [](double speed) { return speed > 0; })) {
+  const auto is_asked = [](double speed) { return speed > 0; };
+  if (!solve_with(1)) return false;
+  if (std::ranges::any_of(bounce, is_asked) || std::ranges::any_of(snap, is_asked)) {
     const double energy = kinetic_energy(wanted_);
     double low = 0, high = 1, gained = kinetic_energy(unknown_) - energy, lost = -energy;
     // The Illinois variant of the false position.
     for (int i = 0; i < 40 && gained > 1e-13 * energy; ++i) {
       const double share = low + (high - low) * lost / (lost - gained);
-      if (!solve_with(share, bounce)) return false;
+      if (!solve_with(share)) return false;
       const double change = kinetic_energy(unknown_) - energy;
       if (change <= 0 && change >= -1e-12 * energy) break;
       if (change > 0) {
@@ -894,7 +897,7 @@ bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
         gained /= 2;
       }
       if (high - low < 1e-14) {
-        if (!solve_with(low, bounce)) return false;
+        if (!solve_with(low)) return false;
         break;
       }
     }
@@ -1258,10 +1261,17 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
   // What stops moves others a little, which may arrive by that.
   for (int round = 0; round < kRounds; ++round) {
     bool arrives = false;
+    std::vector<double> snap(links_.size(), 0.0);
     for (std::size_t k = 0; k < links_.size(); ++k) {
       if (!links_[k].pulls) continue;
+      const Row& row = mechanism_.rows()[links_[k].row];
       const bool now = mechanism_.violation()[links_[k].row] >= -touching;
-      if (now && !to.taut[k] && mechanism_.rate()[links_[k].row] > 0) arrives = true;
+      const double speed = mechanism_.rate()[links_[k].row];
+      if (now && !to.taut[k] && speed > 0) {
+        arrives = true;
+        const double back = world_->connectors[row.connector].restitution * speed;
+        if (back > lowest_bounce_) snap[k] = back;
+      }
       to.taut[k] = now;
     }
     std::vector<Contact> contacts;
@@ -1284,6 +1294,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     jumped_ = true;
     lay_out(to);
     bounce_ = std::move(bounce);
+    snap_ = std::move(snap);
     before = to.state;
     if (!jump(to, before)) return false;
     to.rate.clear();

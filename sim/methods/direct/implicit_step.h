@@ -175,7 +175,7 @@ class ImplicitStep {
   std::vector<char> on_;                  // per link: a rod, or a string that is taut
   std::vector<std::uint32_t> shape_of_;   // candidates of the present layout
   std::vector<Meeting> meetings_;         // per contact
-  std::vector<double> bounce_;            // m/s, per contact: asked of an impact
+  std::vector<double> bounce_, snap_;     // m/s, per contact and per link: asked of an impact
   std::vector<char> law_;                 // per contact in a projection: held at its surface
 
   std::vector<double> unknown_, way_, residual_, row_scale_, column_scale_;

@@ -185,23 +185,22 @@ void Spans::write(World& world) {
   place_held(world, world.time);
   for (const Tie& tie : ties_) {
     const Span& span = spans_[tie.span];
-    lay(world.connectors[span.connector], span, world.gravity);
+    lay_span(hanging_, world.connectors[span.connector], span, world.gravity);
   }
 }
 
-/// Lays the particles between the ends: straight where taut, else as they would hang there.
-void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
+void lay_span(HangingChain& hanging, Connector& connector, const Span& span, const Vec3& gravity) {
   const std::size_t first = span.a.particle, last = span.b.particle;
   const Vec3 from = connector.position[first], to = connector.position[last];
   const Vec3 start = connector.velocity[first], change = connector.velocity[last] - start;
   const double slack = span.length - (to - from).norm();
   const bool hangs = slack > kLeastSlack * span.length && span.links() > 1;
   if (hangs) {
-    hanging_.place({.rest = std::span(connector.rest).subspan(first, span.links()),
-                    .particle_mass = {},
-                    .length = span.length},
-                   from, to, gravity,
-                   std::span(connector.position).subspan(first, span.links() + 1));
+    hanging.place({.rest = std::span(connector.rest).subspan(first, span.links()),
+                   .particle_mass = {},
+                   .length = span.length},
+                  from, to, gravity,
+                  std::span(connector.position).subspan(first, span.links() + 1));
   }
   double along = 0;
   for (std::size_t k = first + 1; k < last; ++k) {

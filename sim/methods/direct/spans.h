@@ -14,6 +14,10 @@
 
 namespace taut::direct {
 
+/// Lays the particles of a massless span between its ends: straight where it is taut, else as they
+/// would hang there.
+void lay_span(HangingChain& hanging, Connector& connector, const Span& span, const Vec3& gravity);
+
 /// Follows a world some of whose connectors are massless spans, by a method that follows links.
 /// The method sees a world of its own, in which a taut span is a link without mass between its two
 /// ends and a slack one is absent; a point mass at an end is a body that nothing turns. Changes are
@@ -63,7 +67,6 @@ class Spans {
   Attachment attachment(const World& world, const Span& span, const SpanEnd& end);
   void read(const World& world);
   void write(World& world);
-  void lay(Connector& connector, const Span& span, const Vec3& gravity);
   void connect();
   void build_systems();
   void update();

@@ -147,6 +147,32 @@ TEST(Together, AWinchLetsAWeightDown) {
   EXPECT_NEAR(simulation.world().connectors[0].position.back().y(), -1.2 + kRadius, 2e-4);
 }
 
+// A weight falls on a massless cord over a floor, and the cord throws it back with half of its
+// speed.
+TEST(Together, AMasslessCordSnapsOverAFloor) {
+  constexpr double kLength = 0.7, kSlack = 0.5, kBack = 0.5;
+  World world;
+  Connector cord = straight_connector("cord", kLength, 0, 2, Vec3::Zero(), -Vec3::UnitY());
+  cord.model = ConnectorModel::span;
+  cord.restitution = kBack;
+  cord.particle_mass = {0, 1};
+  cord.position[1].y() = kSlack - kLength;
+  cord.radius = kRadius;
+  cord.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  world.connectors = {cord};
+  world.obstacles = {floor_at(-2 * kLength, 0.3)};
+  finish(world);
+  const double fall = std::sqrt(2 * kSlack / worlds::kGravity), speed = fall * worlds::kGravity;
+  for (const double tolerance : {1e-3, 1e-5}) {
+    Simulation simulation = by_direct(world, tolerance);
+    simulation.advance_to(fall + kBack * speed / worlds::kGravity);
+    EXPECT_NEAR(simulation.world().connectors[0].position[1].y(), -kLength + kBack * kBack * kSlack,
+                tolerance);
+    simulation.advance_to(5);
+    EXPECT_NEAR(simulation.world().connectors[0].position[1].y(), -kLength, tolerance);
+  }
+}
+
 Body ball(const char* name, double mass, double radius, const Vec3& at) {
   Body made;
   made.name = name;
