@@ -125,7 +125,6 @@ void Contacts::make_implicit(const World& world, Group& group) const {
   World& touching = group.touching = group.part;
   touching.obstacles = world.obstacles;
   touching.pairs = group.pairs;
-  touching.bead_pairs = group.bead_pairs;
   touching.topology = structure(touching);
   const Features used = features(touching);
   const bool is_rough = used.has(Feature::friction) || used.has(Feature::body_pairs);

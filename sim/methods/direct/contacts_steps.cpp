@@ -70,27 +70,16 @@ bool Contacts::follow_links(Group& group, double until) {
   return true;
 }
 
-/// Lets Implicit move a part to `until` (s).
+/// Lets Implicit move the bodies of a part to `until` (s).
 void Contacts::advance_touching(Group& group, Implicit& by, World& part, double until) {
-  const auto copy = [](const World& from, World& to) {
-    to.time = from.time;
-    for (std::size_t b = 0; b < from.bodies.size(); ++b) {
-      to.bodies[b].position = from.bodies[b].position;
-      to.bodies[b].rotation = from.bodies[b].rotation;
-      to.bodies[b].velocity = from.bodies[b].velocity;
-      to.bodies[b].spin = from.bodies[b].spin;
-    }
-    for (std::size_t c = 0; c < from.connectors.size(); ++c) {
-      to.connectors[c].position = from.connectors[c].position;
-      to.connectors[c].velocity = from.connectors[c].velocity;
-    }
-  };
-  copy(part, group.touching);
+  group.touching.time = part.time;
+  group.touching.bodies = part.bodies;
   by.advance(group.touching, until);
-  copy(group.touching, part);
+  part.time = group.touching.time;
+  part.bodies = group.touching.bodies;
 }
 
-/// Follows a group with friction as far as steps end; false where Implicit finds no step.
+/// Follows a group by Implicit as far as steps end; false where it finds no step.
 bool Contacts::follow_implicit(Group& group) {
   if (group.steps) {
     return_to_present(group);

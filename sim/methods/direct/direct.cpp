@@ -194,6 +194,8 @@ class Direct : public Method {
 
   void advance_joined(World& world, double until) {
     if (!joined_) joined_ = std::make_unique<direct::Joined>(options_);
+    built_ = true;
+    topology_ = world.topology;
     if (allows_implicit_step_ && joined_->is_stiff(world)) {
       is_combined_ = true;
       return advance_implicit(world, until);

@@ -12,8 +12,8 @@
 
 namespace taut::direct {
 
-/// Each step is taken once and again in two halves; the difference tells the error of the halves,
-/// which go on.
+/// Each step is taken once and again in two halves. The difference tells the error of the halves;
+/// a third of it corrects them, where contacts and strings stay as they are.
 class Implicit {
  public:
   explicit Implicit(const StepOptions& options) : options_(options) {}
