@@ -120,15 +120,16 @@ void Contacts::prepare(const World& world) {
   }
 }
 
-/// Sets up Implicit for bodies without connectors, where friction or others of them stop them.
+/// Sets up Implicit where there is friction, or bodies touch each other.
 void Contacts::make_implicit(const World& world, Group& group) const {
   World& touching = group.touching = group.part;
   touching.obstacles = world.obstacles;
   touching.pairs = group.pairs;
+  touching.bead_pairs = group.bead_pairs;
   touching.topology = structure(touching);
   const Features used = features(touching);
   const bool is_rough = used.has(Feature::friction) || used.has(Feature::body_pairs);
-  if (group.connectors.empty() && is_rough && given_.step == 0) {
+  if (is_rough && given_.step == 0) {
     group.implicit = std::make_unique<Implicit>(given_);
   } else {
     touching = {};
@@ -210,9 +211,7 @@ void Contacts::give_up(const World& part, const Group& group) const {
 Counters Contacts::counters() const {
   Counters sum = counters_;
   for (const auto& group : groups_) {
-    for (const auto* implicit : {&group->implicit, &group->shown_implicit}) {
-      if (*implicit) sum += (*implicit)->counters();
-    }
+    if (group->implicit) sum += group->implicit->counters();
     for (const auto* method : {&group->links, &group->shown_links}) {
       if (!*method) continue;
       sum += (*method)->counters();

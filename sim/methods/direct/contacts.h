@@ -41,10 +41,9 @@ class Contacts {
     std::vector<BodyPair> pairs;                  // of the part's bodies
     std::vector<BeadPair> bead_pairs;             // of the part's connectors and bodies
     std::unique_ptr<Method> links, shown_links;
-    // Of bodies without connectors: it ends its steps at `end`; another one shows what is between.
-    std::unique_ptr<Implicit> implicit, shown_implicit;
-    World touching;            // the part with all that it may touch, for these
-    bool by_implicit = false;  // `now` is what Implicit made of `before`
+    std::unique_ptr<Implicit> implicit;  // where there is friction, or bodies touch each other
+    World touching;                      // the part with all that it may touch, for `implicit`
+    bool by_implicit = false;            // it follows the group as far as `end`
     ContactStep step;
     ContactStep::Past before_step, present;  // of ContactStep
     bool strings = false;       // some of its links are: ContactStep follows it throughout
@@ -81,8 +80,8 @@ class Contacts {
   double next_end(double time) const;
   void follow(Group& group, double until);
   bool follow_links(Group& group, double until);
-  bool follow_implicit(Group& group);
-  static void advance_touching(Group& group, Implicit& by, World& part, double until);
+  static void begin_implicit(Group& group);
+  static void follow_implicit(Group& group, double until);
   void begin_steps(Group& group);
   void take_step(Group& group, double until);
   double attempt(ContactStep& step, double time, double h, double slippery, int located);

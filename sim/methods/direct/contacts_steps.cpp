@@ -39,7 +39,11 @@ void Contacts::follow(Group& group, double until) {
       group.end = next_end(group.time);
       group.by_implicit = false;
       if (!group.strings && follow_links(group, until)) continue;
-      if (group.implicit && follow_implicit(group)) continue;
+      begin_implicit(group);
+    }
+    if (group.by_implicit) {
+      follow_implicit(group, std::min(group.end, until));
+      continue;
     }
     take_step(group, until);
   }
@@ -70,33 +74,40 @@ bool Contacts::follow_links(Group& group, double until) {
   return true;
 }
 
-/// Lets Implicit move the bodies of a part to `until` (s).
-void Contacts::advance_touching(Group& group, Implicit& by, World& part, double until) {
-  group.touching.time = part.time;
-  group.touching.bodies = part.bodies;
-  by.advance(group.touching, until);
-  part.time = group.touching.time;
-  part.bodies = group.touching.bodies;
-}
-
-/// Follows a group by Implicit as far as steps end; false where it finds no step.
-bool Contacts::follow_implicit(Group& group) {
+/// Hands the present state to Implicit, if the group has one.
+void Contacts::begin_implicit(Group& group) {
+  if (!group.implicit) return;
   if (group.steps) {
     return_to_present(group);
     group.step.store(group.now, group.time);
   }
-  group.before = group.now;
-  try {
-    advance_touching(group, *group.implicit, group.now, group.end);
-  } catch (const Diverged&) {
-    group.now = group.before;
-    return false;
-  }
   group.steps = false;
   group.by_implicit = true;
-  group.from = group.time;
-  group.time = group.end;
-  return true;
+  group.before = group.now;
+}
+
+/// Follows a group by Implicit. Where it finds no step, ContactStep follows the group from where
+/// Implicit began as far as steps end: so the times that are asked for change nothing.
+void Contacts::follow_implicit(Group& group, double until) {
+  const auto copy = [](const World& from, World& to) {
+    to.time = from.time;
+    to.bodies = from.bodies;
+    for (std::size_t c = 0; c < from.connectors.size(); ++c) {
+      to.connectors[c].position = from.connectors[c].position;
+      to.connectors[c].velocity = from.connectors[c].velocity;
+    }
+  };
+  copy(group.now, group.touching);
+  try {
+    group.implicit->advance(group.touching, until);
+    copy(group.touching, group.now);
+    group.from = group.time;
+    group.time = until;
+  } catch (const Diverged&) {
+    group.by_implicit = false;
+    group.now = group.before;
+    group.time = group.now.time;
+  }
 }
 
 /// Hands the present state to ContactStep.
@@ -225,10 +236,6 @@ void Contacts::show(Group& group, double until) {
     group.step.store(part, until);
   } else if (until == group.time) {
     part = group.now;
-  } else if (group.by_implicit) {
-    if (!group.shown_implicit) group.shown_implicit = std::make_unique<Implicit>(given_);
-    part = group.before;
-    advance_touching(group, *group.shown_implicit, part, until);
   } else {
     if (!group.shown_links) group.shown_links = make_();
     part = group.before;

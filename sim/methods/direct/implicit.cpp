@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "sim/material/forces.h"
 #include "sim/measure/measure.h"
@@ -15,10 +17,16 @@ namespace {
 using PlaceAt = Eigen::Map<const Vec3>;
 
 constexpr double kShortestImplicitStep = 1e-12;  // s
+constexpr double kShortestSolved = 1e-8;  // s, below which a step without a solution stays so
 constexpr double kOrderOfHalves = 2;
 /// A step of h seconds may err by kErrorRate h tolerances, within these bounds: errors of short
 /// steps come from waves and changes, and die away.
 constexpr double kErrorRate = 0.4, kLeastShare = 1e-3, kMostShare = 0.01;
+/// Errors of velocities count by the way that they lead in so many steps: a wave that steps hardly
+/// resolve leads no farther.
+constexpr double kWaves = 10;
+/// The share of the tolerance by which a step may err in which contacts or strings change.
+constexpr double kChangeShare = 0.1;
 /// The power of StepOptions::finer by which the error of a step falls, so that the error of the
 /// whole falls enough to tell it by the difference.
 constexpr double kFinerPower = 5;
@@ -57,14 +65,14 @@ double Implicit::allowed_error(double h) const {
 /// The error (m) that a step may make in which contacts or strings change: once, however short.
 double Implicit::allowed_change() const {
   const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
-  return kMostShare * tolerance / std::pow(options_.finer, kFinerPower) +
+  return kChangeShare * tolerance / std::pow(options_.finer, kFinerPower) +
          kConstants.roundings * 2.2e-16 * length_;
 }
 
-/// The distance (m) of two states, RMS over all that moves freely.
-double Implicit::size(const StepState& one, const StepState& other) const {
+/// The distance (m) of two states, RMS over all that moves freely, with velocities times `time`
+/// (s).
+double Implicit::size(const StepState& one, const StepState& other, double time) const {
   const Mechanism& mechanism = step_.mechanism();
-  const double time = velocity_time_of(length_);
   const auto apart = [&](std::size_t at) {
     return Vec3(PlaceAt(&one.state[at]) - PlaceAt(&other.state[at]));
   };
@@ -111,10 +119,32 @@ void Implicit::advance_strings(World& world, double until) {
   }
   if (fresh || loaded_ != shown_) {
     if (!step_.load(world, now_, touching_)) give_up(world);
+    from_ = now_;
   }
   follow(world, until);
-  step_.store(now_, world);
+  step_.store(at(until), world);
   step_.mechanism().load(world, shown_);
+}
+
+/// The state at a time (s) within the last step. Where no step leads there, as far as they do.
+const StepState& Implicit::at(double time) {
+  if (now_.time <= time) return now_;
+  double longest = (time - from_.time) / 2;
+  within_ = from_;
+  while (within_.time < time) {
+    check_stop();
+    const double left = time - within_.time, h = std::min(left, longest);
+    if (h < kShortestImplicitStep) break;
+    if (step_.step(within_, h, touching_, false, end_) == ImplicitStep::Result::failed ||
+        !step_.finish(end_, touching_, true)) {
+      longest = h / 2;
+      continue;
+    }
+    std::swap(within_, end_);
+    if (h == left) within_.time = time;
+  }
+  within_.time = time;
+  return within_;
 }
 
 void Implicit::follow(const World& world, double until) {
@@ -130,21 +160,23 @@ void Implicit::follow(const World& world, double until) {
   while (now_.time < until) {
     check_stop();
     counters_.solves = step_.factorisations();
-    const double left = until - now_.time, wish = std::min({next_, longest, within});
-    const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
-    const bool arrives_at_end = within < std::min(next_, longest) && within < left;
-    const double h = arrives_at_end ? within : left / count;
+    const double left = until - now_.time;
     if (left < kShortestImplicitStep) {
       now_.time = until;
       break;
     }
+    double h = std::min({next_, longest, within});
+    if (fixed && within >= next_) h = left / std::ceil(left / h * (1 - 1e-9));
     if (h < kShortestImplicitStep) give_up(world);
     ++counters_.steps;
     const auto refuse = [&](double shorter) {
       ++counters_.rejected;
       next_ = shorter;
     };
-    step_.set_accuracy(fixed ? 0 : 0.1 * allowed_error(h) / velocity_time_of(length_));
+    const auto refuse_unsolved = [&] {
+      if (h < kShortestSolved) give_up(world);
+      refuse(h / 4);
+    };
     // The two halves.
     ImplicitStep::Result result = step_.step(now_, h / 2, touching_, true, middle_);
     double reached = 0;
@@ -163,7 +195,7 @@ void Implicit::follow(const World& world, double until) {
       }
     }
     if (result == ImplicitStep::Result::failed) {
-      refuse(h / 2);
+      refuse_unsolved();
       continue;
     }
     if (result == ImplicitStep::Result::arrives) {
@@ -175,13 +207,14 @@ void Implicit::follow(const World& world, double until) {
     const std::uint64_t pattern = end_.pattern();
     if (!fixed) {
       if (step_.step(now_, h, touching_, false, whole_) == ImplicitStep::Result::failed) {
-        refuse(h / 2);
+        refuse_unsolved();
         continue;
       }
       const bool same = pattern == whole_.pattern() && pattern == middle_.pattern();
       const double share = same ? std::exp2(kOrderOfHalves) - 1 : 1;
-      const double raw = size(end_, whole_) / share;
-      error = std::min(raw, step_.distance(end_, whole_, velocity_time_of(length_)) / share);
+      const double time = std::min(velocity_time_of(length_), kWaves * h);
+      const double raw = size(end_, whole_, time) / share;
+      error = std::min(raw, step_.distance(end_, whole_, time) / share);
       const double limit = same ? allowed_error(h) : allowed_change(),
                    order = same ? kOrderOfHalves + 1 : 2;
       error = std::max(error, raw * limit / (kConstants.passed_over * options_.tolerance));
@@ -197,11 +230,19 @@ void Implicit::follow(const World& world, double until) {
       next_ = std::min(options_.step, 2 * h);
     }
     if (!step_.finish(end_, touching_, true)) {
-      refuse(h / 2);
+      refuse_unsolved();
       continue;
     }
     end_.time = h == left ? until : now_.time + h;
     step_.accept();
+    if (getenv("DBG") && end_.time > 0.334 && end_.time < 0.3385)
+      fprintf(
+          stderr,
+          "[%g] to %.9f h %.3e error %.2e limit %.2e pattern %d jumped %d contacts %zu -> %zu\n",
+          options_.tolerance, end_.time, h, error, allowed_error(h),
+          int(pattern == whole_.pattern() && pattern == middle_.pattern()), int(step_.jumped()),
+          now_.contacts.size(), end_.contacts.size());
+    std::swap(from_, now_);
     std::swap(now_, end_);
     within = longest;
     step_.mechanism().follow(now_.time, now_.state);

@@ -13,7 +13,8 @@
 namespace taut::direct {
 
 /// Each step is taken once and again in two halves. The difference tells the error of the halves;
-/// a third of it corrects them, where contacts and strings stay as they are.
+/// a third of it corrects them, where contacts and strings stay as they are. The times that are
+/// asked for end no step: a state within the last step is made by a shorter one from its start.
 class Implicit {
  public:
   explicit Implicit(const StepOptions& options) : options_(options) {}
@@ -27,9 +28,10 @@ class Implicit {
   void advance_strings(World& world, double until);
   void rebuild(const World& world);
   void follow(const World& world, double until);
+  const StepState& at(double time);
   double allowed_error(double h) const;
   double allowed_change() const;
-  double size(const StepState& one, const StepState& other) const;
+  double size(const StepState& one, const StepState& other, double time) const;
   [[noreturn]] void give_up(const World& world) const;
 
   StepOptions options_;
@@ -39,7 +41,8 @@ class Implicit {
   SpansAsStrings spans_;
   std::uint64_t spans_topology_ = 0;  // of the world with spans
   ImplicitStep step_;
-  StepState now_, middle_, end_, whole_;
+  StepState from_, now_;  // where the last step began, and ended: at or beyond the shown time
+  StepState middle_, end_, whole_, within_;
   std::vector<double> shown_, loaded_;  // the state that advance() left in the world; found there
   double length_ = 1, shortest_ = 1, touching_ = 0;
   double next_ = 0;   // s: the step that the error allows

@@ -26,8 +26,12 @@ const double kGamma = 1 - 1 / std::numbers::sqrt2;
 constexpr double kProximal = 1e-9;
 /// How often arrivals of one moment may cause others.
 constexpr int kRounds = 10;
+/// An axis along a surface that is flatter than that share of its curvature across is parallel.
+constexpr double kFlat = 1e-6;
 /// Static friction is exceeded from that share below its bound on.
 constexpr double kBarely = 1e-3;
+/// What stays below its bound by that share does not slide.
+constexpr double kSure = 1e-9;
 
 Quat rotation_by(const Vec3& angle) {
   const double half = angle.norm() / 2;
@@ -133,7 +137,8 @@ void ImplicitStep::lay_out(const StepState& from) {
   meetings_.resize(contacts_.size());
   bounce_.assign(contacts_.size(), 0.0);
   snap_.assign(links_.size(), 0.0);
-  law_.assign(contacts_.size(), 0);
+  law_.assign(contacts_.size(), kFree);
+  off_.resize(contacts_.size());
   if (shape == shape_of_) return;
   shape_of_ = shape;
   std::vector<std::uint32_t> groups(unknowns_);
@@ -189,6 +194,21 @@ ImplicitStep::Relative ImplicitStep::relative(const Candidate& of, const Meeting
     made.add({.at = body_[of.other], .body = true, .weight = -1, .arm = at.other_arm});
   }
   return made;
+}
+
+/// How the second end of a candidate's axis moves past the first.
+ImplicitStep::Relative ImplicitStep::relative_ends(const Candidate& of, const Vec3& axis) const {
+  if (of.body == kHeld) return relative(of.a, of.b);
+  Relative made;
+  made.add({.at = body_[of.body], .body = true, .weight = 1, .arm = axis});
+  made.add({.at = body_[of.body], .body = true, .weight = -1});
+  return made;
+}
+
+/// The velocity (m/s) of that.
+Vec3 ImplicitStep::ends_pass(const Candidate& of, const Vec3& axis) const {
+  if (of.body != kHeld) return vec(&state_[mechanism_.twist(of.body) + 3]).cross(axis);
+  return vec(&state_[mechanism_.velocity(of.b)]) - vec(&state_[mechanism_.velocity(of.a)]);
 }
 
 /// A force on a relative place, out of the residual.
@@ -511,10 +531,11 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
     if (problem.law == Problem::Law::projection) {
       // v is a displacement, but for the part of the obstacle's own.
       const Vec3 moved = v + (of.obstacle != kHeld ? at.surface : Vec3(Vec3::Zero()));
-      const bool held = law_[c] != 0;
-      out = held ? Vec3((n.dot(moved) + at.gap) * n + across * p) : p;
-      by_p = held ? Mat3(across + kProximal * along) : Mat3::Identity();
-      by_v = held ? along : Mat3(Mat3::Zero());
+      const Mat3 held = law_[c] == kAtAnchor ? Mat3(Mat3::Identity()) : law_[c] * along;
+      const Mat3 free = Mat3::Identity() - held;
+      out = held * (moved + off_[c]) + free * p;
+      by_p = free + kProximal * held;
+      by_v = held;
     } else {
       const double pn = n.dot(p), w = n.dot(v) - bounce_[c];
       const auto law = complementarity(pn, w, kappa);
@@ -563,10 +584,31 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
       }
       if (problem.advance > 0 && assembles_) {
         // The normal turns as the place changes.
-        const Mat3 turns = problem.advance * touches_.curvature(mechanism_, contacts_[c].candidate,
-                                                                at, state_.data());
-        by_v += law.by_w * n * (v.transpose() * turns) + law.by_p * n * (p.transpose() * turns);
-        by_v -= (stuck ? w : pn) * turns;
+        const Mat3 bends =
+            touches_.curvature(mechanism_, contacts_[c].candidate, at, state_.data());
+        const Mat3 by_n = law.by_w * n * v.transpose() + law.by_p * n * p.transpose() -
+                          (stuck ? w : pn) * Mat3::Identity();
+        Mat3 turns = bends;
+        const Vec3 axis = touches_.axis(mechanism_, contacts_[c].candidate, state_.data());
+        const double bent = axis.dot(bends * axis);
+        if (of.spot == contact::Spot::nearest && !of.is_bead()) {
+          // The nearest point of an axis e moves along it, so that n e stays 0:
+          // share' = -(e H x' + n e') / (e H e), n' = H (x' + e share').
+          const bool is_flat = bent <= kFlat * axis.squaredNorm() * bends.norm();
+          const double moves = is_flat ? 0 : problem.advance / bent;
+          const Vec3 rolls = bends * axis;
+          const Vec3 passes = by_v * ends_pass(of, axis);
+          const Relative ends = relative_ends(of, axis);
+          for (std::size_t i = 0; i < 3; ++i) {
+            const double by_share = (by_n * rolls + passes)[static_cast<int>(i)];
+            row(first + i, ends, -by_share * moves * n);
+          }
+          by_v -= moves * passes * rolls.transpose();
+          block(ends, gap, moves * force * rolls.transpose());
+          block(ends, ends, moves * force * n.transpose());
+          if (!is_flat) turns -= rolls * rolls.transpose() / bent;
+        }
+        by_v += problem.advance * by_n * turns;
       }
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -663,7 +705,7 @@ void ImplicitStep::assemble_twists(const Problem& problem) {
 /// Newton's method; a factorised matrix serves as long as corrections fall fast. True once
 /// velocities err by less than `enough` (m/s).
 bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, double enough) {
-  constexpr double kShortest = 1.0 / 64, kFast = 0.1;
+  constexpr double kShortest = 1.0 / 64, kFast = 0.03;
   const double longest = problem.advance > 0 ? 0.5 * shortest_ / problem.advance
                                              : std::numeric_limits<double>::infinity();
   double last = std::numeric_limits<double>::infinity(), part = 0, fastest = 0;
@@ -719,7 +761,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
 /// force weighs against a velocity in the conditions of contact decides whether they converge, but
 /// not on what: other weights are tried.
 bool ImplicitStep::solve(const Problem& problem) {
-  const double enough = problem.forces ? std::max(accuracy_, 1e-10 * speed_) : 1e-12 * speed_;
+  const double enough = (problem.forces ? 1e-10 : 1e-12) * speed_;
   const bool one_sided = !contacts_.empty() ||
                          std::ranges::any_of(links_, [](const Link& link) { return link.pulls; });
   const std::vector<double> start = unknown_;
@@ -755,7 +797,7 @@ bool ImplicitStep::project(StepState& to, double touching) {
     to.state = start;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       const Meeting at = touches_.meet(mechanism_, contacts_[c].candidate, to.state.data());
-      law_[c] = at.gap < -touching;
+      law_[c] = at.gap < -touching ? kAtSurface : kFree;
     }
     if (!project_places(to)) return false;
   }
@@ -801,6 +843,9 @@ bool ImplicitStep::project_places(StepState& to) {
         if (link.pulls && on_[k] != 0 && violation_[k] < 0 && to.tension[k] <= 0) {
           on_[k] = 0;
           same = false;
+        } else if (link.pulls && on_[k] == 0 && violation_[k] > exact_) {
+          on_[k] = 1;
+          same = false;
         }
       } else {
         const auto& stretch = stretches[link.row];
@@ -813,11 +858,17 @@ bool ImplicitStep::project_places(StepState& to) {
       violation_[k] -= held_rate(link);
     }
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      if (law_[c] == 0 && meetings_[c].gap < 0) {
-        law_[c] = 1;
+      const Meeting& at = meetings_[c];
+      if (law_[c] == kFree && at.gap < 0) {
+        law_[c] = kAtSurface;
         same = false;
       }
-      if (law_[c]) worst = std::max(worst, std::abs(meetings_[c].gap));
+      off_[c] = at.gap * at.normal;
+      if (law_[c] == kAtAnchor) {
+        const Vec3 off = at.turn * (at.local - contacts_[c].anchor);
+        off_[c] += off - at.normal.dot(off) * at.normal;
+      }
+      if (law_[c] != kFree) worst = std::max(worst, off_[c].norm());
     }
     placed = worst <= exact_;
     if (placed) break;
@@ -952,8 +1003,9 @@ double ImplicitStep::distance(const StepState& one, const StepState& other, doub
     const Candidate& of = touches_.candidates()[contacts_[c].candidate];
     const Vec3& n = meetings_[c].normal;
     if (!other.contacts[c].presses) continue;
+    const Vec3 moved = inertia * moves(relative(of, meetings_[c]));
     vec(&residual_[first_contact_ + 3 * c]) =
-        inertia * n.dot(moves(relative(of, meetings_[c]))) * n;
+        other.contacts[c].grips ? moved : Vec3(n.dot(moved) * n);
   }
   solve_with_twists();
   sped_.resize(first_link_);
@@ -1077,6 +1129,26 @@ void ImplicitStep::measure_speed(const StepState& at) {
   speed_ = std::max(fastest, 1e-6 * length_);
 }
 
+/// Whether a contact of the solved problem presses. Either its force is zero or the speed at which
+/// it parts, but for rounding.
+bool ImplicitStep::presses(std::size_t c) const {
+  const Vec3& n = meetings_[c].normal;
+  const std::size_t at = first_contact_ + 3 * c;
+  const double push = n.dot(vec(&unknown_[at])) / column_scale_[at];
+  const Vec3 v = touches_.passing(mechanism_, contacts_[c].candidate, meetings_[c], state_.data());
+  return push > 0 && push > n.dot(v) - bounce_[c];
+}
+
+/// Holds what presses at surfaces, and beads that grip where they do.
+void ImplicitStep::hold_contacts() {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    law_[c] = !contact.presses                       ? kFree
+              : contact.is_anchored && contact.grips ? kAtAnchor
+                                                     : kAtSurface;
+  }
+}
+
 /// Notes whether contacts slide, and which friction holds those at rest.
 void ImplicitStep::keep_contacts(StepState& to) {
   touches_.place(*world_, to.time);
@@ -1100,6 +1172,10 @@ void ImplicitStep::keep_contacts(StepState& to) {
     } else {
       contact.sticks = slid || pull <= of.slide * push;
     }
+    const bool grips = rests && contact.sticks && contact.presses && contact.grips;
+    const bool stays = of.is_bead() && of.obstacle != kHeld && !mechanism_.has_winches();
+    if (!contact.is_anchored) contact.anchor = at.local;
+    contact.is_anchored = grips && stays;
   }
 }
 
@@ -1107,10 +1183,79 @@ void ImplicitStep::store(const StepState& from, World& world) {
   mechanism_.store(from.state, from.time, world);
 }
 
+/// Puts everything where it is at a share of the way between two states: cubic for places, linear
+/// for rotations.
+void ImplicitStep::place_between(const StepState& from, const StepState& to, double h,
+                                 double share) {
+  const double s = share, left = 1 - s;
+  const auto between = [&](std::size_t place, std::size_t rate) {
+    const auto a = vec(&from.state[place]), b = vec(&to.state[place]);
+    vec(&state_[place]) = left * a + s * b +
+                          s * left *
+                              (left * (h * vec(&from.state[rate]) - (b - a)) -
+                               s * (h * vec(&to.state[rate]) - (b - a)));
+    const Vec3 mean = (b - a) / h;
+    vec(&state_[rate]) = mean + (left * left - 2 * s * left) * (vec(&from.state[rate]) - mean) +
+                         (s * s - 2 * s * left) * (vec(&to.state[rate]) - mean);
+  };
+  state_ = to.state;
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] != 0) between(mechanism_.position(p), mechanism_.velocity(p));
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    const std::size_t pose = mechanism_.pose(b), twist = mechanism_.twist(b);
+    between(pose, twist);
+    const Quat start = quaternion(&from.state[pose + 3]);
+    const Vec3 turn = angle(quaternion(&to.state[pose + 3]) * start.conjugate());
+    set_quaternion((rotation_by(s * turn) * start).normalized(), &state_[pose + 3]);
+    vec(&state_[twist + 3]) = turn / h;
+  }
+  const double time = from.time + s * h;
+  mechanism_.place_and_measure(time, state_.data());
+  touches_.place(*world_, time);
+}
+
+/// The gap (m) of a candidate at the present state, and how fast it grows (m/s).
+ImplicitStep::Gap ImplicitStep::gap(std::uint32_t candidate) const {
+  const Meeting at = touches_.meet(mechanism_, candidate, state_.data());
+  return {at.gap, at.normal.dot(touches_.passing(mechanism_, candidate, at, state_.data()))};
+}
+
+/// The share of a step after which a candidate that is apart at both ends, and approaches at first
+/// and leaves at last, is deeper inside than `touching` (m) for the first time; 1 where it passes.
+double ImplicitStep::first_dip(const StepState& from, const StepState& to, double h,
+                               double touching, std::uint32_t candidate) {
+  constexpr int kHalvings = 12;
+  double low = 0, high = 1;
+  place_between(from, to, h, 0);
+  Gap before = gap(candidate);
+  if (before.rate >= 0 || before.gap + before.rate * h >= 0) return 1;
+  place_between(from, to, h, 1);
+  Gap behind = gap(candidate);
+  for (int i = 0; i < kHalvings; ++i) {
+    // At a convex surface, and on a straight way, the gap is nowhere below both tangents.
+    const double all = (high - low) * h;
+    const double lowest =
+        (behind.rate * before.gap - before.rate * behind.gap + before.rate * behind.rate * all) /
+        (behind.rate - before.rate);
+    if (lowest > 0) return 1;
+    const double share = (low + high) / 2;
+    place_between(from, to, h, share);
+    const Gap now = gap(candidate);
+    if (now.gap < -touching) {
+      const bool touches = touches_.is_distinct(mechanism_, candidate, state_.data());
+      return touches ? low + (share - low) * before.gap / (before.gap - now.gap) : 1;
+    }
+    (now.rate < 0 ? low : high) = share;
+    (now.rate < 0 ? before : behind) = now;
+  }
+  return 1;
+}
+
 /// When the first thing arrives that was apart at the start: s, beyond h where nothing does.
 double ImplicitStep::first_arrival(const StepState& from, const StepState& to, double h,
                                    double touching) {
-  std::vector<std::uint32_t> reverses;
+  std::vector<std::uint32_t> reverses, leaving;
   double first = std::numeric_limits<double>::infinity();
   // The gap was `open` and is `deep` inside.
   const auto note = [&](double open, double deep) {
@@ -1122,13 +1267,22 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
   for (std::uint32_t i = 0; i < touches_.candidates().size(); ++i) {
     while (known < contacts_.size() && contacts_[known].candidate < i) ++known;
     if (known < contacts_.size() && contacts_[known].candidate == i) continue;
-    const Meeting now = touches_.meet(mechanism_, i, to.state.data());
-    if (now.gap >= -touching || !touches_.is_distinct(mechanism_, i, to.state.data())) continue;
+    const Gap now = gap(i);
+    if (now.gap >= -touching) {
+      if (now.rate > 0 && now.gap < now.rate * h) leaving.push_back(i);
+      continue;
+    }
+    if (!touches_.is_distinct(mechanism_, i, to.state.data())) continue;
     touches_.place(*world_, from.time);
     const Meeting was = touches_.meet(mechanism_, i, from.state.data());
     touches_.place(*world_, to.time);
     note(was.gap, -now.gap);
   }
+  for (const std::uint32_t i : leaving) {
+    const double share = first_dip(from, to, h, touching, i);
+    if (share < 1) first = std::min(first, h * share);
+  }
+  if (!leaving.empty()) place_between(from, to, h, 1);
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact &was = from.contacts[c], &now = to.contacts[c];
     const Candidate& of = touches_.candidates()[was.candidate];
@@ -1225,9 +1379,20 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
   to.tension.assign(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_),
                     unknown_.begin() + static_cast<std::ptrdiff_t>(first_contact_));
   to.taut = from.taut;
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const std::size_t at = first_link_ + k;
+    if (!links_[k].pulls || on_[k] == 0) continue;
+    const double shortens = -mechanism_.rate()[links_[k].row];
+    if (to.tension[k] / column_scale_[at] <= shortens) to.tension[k] = 0;  // but for rounding
+  }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     contacts_[c].force = vec(&unknown_[first_contact_ + 3 * c]);
-    contacts_[c].presses = contacts_[c].force.dot(meetings_[c].normal) > 0;
+    Contact& contact = contacts_[c];
+    const Candidate& of = touches_.candidates()[contact.candidate];
+    const double push = contact.force.dot(meetings_[c].normal);
+    const double pull = (contact.force - push * meetings_[c].normal).norm();
+    contact.presses = presses(c);
+    contact.grips = contact.sticks && pull < (1 - kSure) * of.stick * push;
   }
   to.contacts = contacts_;
   if (!stops) return Result::done;
@@ -1254,7 +1419,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
   contacts_ = to.contacts;
   lay_out(to);
   touches_.place(*world_, to.time);
-  for (std::size_t c = 0; c < contacts_.size(); ++c) law_[c] = contacts_[c].presses;
+  hold_contacts();
   std::vector<double> before = to.state;
   if (!project(to, touching)) return false;
   if (!jumps) return true;
@@ -1290,17 +1455,22 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
       if (-speed * of.restitution > lowest_bounce_) bounce.back() = -speed * of.restitution;
     }
     contacts_ = std::move(contacts);
-    if (!arrives) break;
-    jumped_ = true;
     lay_out(to);
+    if (!arrives) {
+      hold_contacts();
+      if (!project(to, touching)) return false;
+      break;
+    }
+    jumped_ = true;
     bounce_ = std::move(bounce);
     snap_ = std::move(snap);
     before = to.state;
     if (!jump(to, before)) return false;
     to.rate.clear();
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      law_[c] = vec(&unknown_[first_contact_ + 3 * c]).dot(meetings_[c].normal) > 0;
+      contacts_[c].presses = presses(c);
     }
+    hold_contacts();
     if (!project(to, touching)) return false;
   }
   keep_contacts(to);

@@ -22,10 +22,13 @@ struct StepState {
   /// A contact: a candidate whose gap is closed.
   struct Contact {
     std::uint32_t candidate = 0;
-    Vec3 force = Vec3::Zero();  // N, of the last stage
-    Vec3 slip = Vec3::Zero();   // m/s, across the normal; zero below what counts as rest
-    bool sticks = true;         // at rest, with static friction
-    bool presses = false;       // in the last stage
+    Vec3 force = Vec3::Zero();   // N, of the last stage
+    Vec3 slip = Vec3::Zero();    // m/s, across the normal; zero below what counts as rest
+    bool sticks = true;          // at rest, with static friction
+    bool presses = false;        // in the last stage
+    bool grips = false;          // there, with less friction than would make it slide
+    bool is_anchored = false;    // a bead that has gripped since it was at `anchor`
+    Vec3 anchor = Vec3::Zero();  // m, as Meeting::local
   };
   std::vector<Contact> contacts;  // by candidates
   std::vector<char> taut;         // per link: of a string, at its length
@@ -75,8 +78,6 @@ class ImplicitStep {
 
   const Mechanism& mechanism() const { return mechanism_; }
   Mechanism& mechanism() { return mechanism_; }
-  /// Stages are solved until velocities err by less than this (m/s).
-  void set_accuracy(double speed) { accuracy_ = speed; }
   std::uint64_t factorisations() const {
     return stage_system_.factorisations() + jump_system_.factorisations();
   }
@@ -110,6 +111,8 @@ class ImplicitStep {
     std::uint32_t row = 0;  // of the mechanism's rows or stretches
     double inertia = 1;     // kg, that a tension moves
   };
+  /// How a projection of places holds a contact.
+  enum Grip : char { kFree, kAtSurface, kAtAnchor };
   /// What is asked of the unknowns.
   struct Problem {
     enum class Law { contact, projection };
@@ -124,6 +127,8 @@ class ImplicitStep {
   void add_handles(std::uint32_t point, double weight, Relative& to) const;
   Relative relative(std::uint32_t a, std::uint32_t b) const;
   Relative relative(const Candidate& of, const Meeting& at) const;
+  Relative relative_ends(const Candidate& of, const Vec3& axis) const;
+  Vec3 ends_pass(const Candidate& of, const Vec3& axis) const;
   void push(const Relative& at, const Vec3& force);
   void block(const Relative& row, const Relative& column, const Mat3& value);
   void row(std::size_t index, const Relative& column, const Vec3& value);
@@ -155,7 +160,16 @@ class ImplicitStep {
   double kinetic_energy(const std::vector<double>& unknowns) const;
   void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);
   void keep_contacts(StepState& to);
+  bool presses(std::size_t c) const;
+  void hold_contacts();
   void measure_speed(const StepState& at);
+  struct Gap {
+    double gap = 0, rate = 0;  // m, m/s
+  };
+  Gap gap(std::uint32_t candidate) const;
+  void place_between(const StepState& from, const StepState& to, double h, double share);
+  double first_dip(const StepState& from, const StepState& to, double h, double touching,
+                   std::uint32_t candidate);
   double first_arrival(const StepState& from, const StepState& to, double h, double touching);
 
   const World* world_ = nullptr;
@@ -175,8 +189,9 @@ class ImplicitStep {
   std::vector<char> on_;                  // per link: a rod, or a string that is taut
   std::vector<std::uint32_t> shape_of_;   // candidates of the present layout
   std::vector<Meeting> meetings_;         // per contact
+  std::vector<Vec3> off_;                 // m, per contact in a projection: what it has to move
   std::vector<double> bounce_, snap_;     // m/s, per contact and per link: asked of an impact
-  std::vector<char> law_;                 // per contact in a projection: held at its surface
+  std::vector<char> law_;                 // per contact in a projection: a Grip
 
   std::vector<double> unknown_, way_, residual_, row_scale_, column_scale_;
   std::vector<double> base_;    // state at zero velocities: places before the stage's part
@@ -189,7 +204,6 @@ class ImplicitStep {
   std::vector<double> violation_;     // m, per link in a projection
   double weight_ = 1;                 // of forces at contacts, in their conditions
   double speed_ = 1;                  // m/s, typical
-  double accuracy_ = 0;               // m/s
   double length_ = 1, shortest_ = 1;  // m: of the longest connector, of the shortest link
   double exact_ = 0;                  // m: roundings of places
   bool jumped_ = false;

@@ -153,6 +153,7 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
       at.share = near.along;
     }
   }
+  at.turn = frame.rotation;
   at.local = frame.rotation.conjugate() * (axis - frame.position);
   if (of.obstacle != Candidate::kNone) {
     at.surface = frames_[of.obstacle].point(at.local).velocity;
@@ -171,6 +172,11 @@ Mat3 Touches::curvature(const Mechanism& mechanism, std::size_t candidate, const
     by.col(k) = turn * of.shape.normal_rate(at.local, turn.row(k).transpose());
   }
   return by;
+}
+
+Vec3 Touches::axis(const Mechanism& mechanism, std::size_t candidate, const double* state) const {
+  const contact::Capsule capsule = capsule_of(mechanism, candidates_[candidate], state);
+  return capsule.to - capsule.from;
 }
 
 Vec3 Touches::passing(const Mechanism& mechanism, std::size_t candidate, const Meeting& at,

@@ -37,7 +37,8 @@ struct Meeting {
   Vec3 arm = Vec3::Zero();        // m, from the body's centre of mass to the touching point
   Vec3 other_arm = Vec3::Zero();  // m, the same of the other body
   Vec3 local = Vec3::Zero();  // m, of the bead's centre or the capsule's axis, in the shape's axes
-  Vec3 surface = Vec3::Zero();  // m/s, of an obstacle there
+  Quat turn = Quat::Identity();  // of those axes
+  Vec3 surface = Vec3::Zero();   // m/s, of an obstacle there
 };
 
 class Touches {
@@ -55,6 +56,8 @@ class Touches {
   /// How the normal changes with the point (1/m).
   Mat3 curvature(const Mechanism& mechanism, std::size_t candidate, const Meeting& at,
                  const double* state) const;
+  /// The axis (m) of a capsule, from one end to the other; of a bead 0.
+  Vec3 axis(const Mechanism& mechanism, std::size_t candidate, const double* state) const;
   /// Whether the spot of a capsule is a point of its own there.
   bool is_distinct(const Mechanism& mechanism, std::size_t candidate, const double* state) const;
   /// The velocity (m/s) of the candidate past what it may touch.

@@ -79,23 +79,25 @@ TEST(RoutinePlay, TheChainStaysTautInIt) {
     for (const Instance& i : during(part)) EXPECT_GT(i.span(), routine().length - 1e-4) << i.time;
 }
 
-/// The stick goes over the shoulder and is caught: it rests against trunk and arm, behind him, and
-/// the chain holds it.
+/// The stick goes over the shoulder and is caught: it hangs on the chain against trunk and arm,
+/// behind him, and sways a little.
 void expect_caught(const Routine& played) {
   const Instance& end = played.steps.back();
-  EXPECT_LT(end.velocity.norm(), 0.1);  // m/s; he breathes
+  EXPECT_LT(end.velocity.norm(), 0.5);  // m/s; he breathes
   EXPECT_LT(end.hand.velocity.norm(), 1e-9);
   EXPECT_LT(end.position.z(), end.hand.position.z() - 0.2);
   EXPECT_GT(end.top.y(), end.tip.y());
   EXPECT_GT(end.span(), 0.9 * played.length);
   const Body& stick = played.scene.world.bodies[1];
-  const contact::Capsule wood{end.top, end.tip, stick.capsule.radius};
   for (const Obstacle& obstacle : played.scene.world.obstacles) {
-    const double gap = contact::least_gap(obstacle.shape, obstacle.frame(end.time).pose(), wood);
-    const bool rests = obstacle.name == "trunk" || obstacle.name == "upper_arm";
-    if (rests) {
-      EXPECT_LT(gap, 1e-3) << obstacle.name;
+    if (obstacle.name != "trunk" && obstacle.name != "upper_arm") continue;
+    double least = 1;  // m, in the last second
+    for (const Instance& at : played.between(end.time - 1, end.time)) {
+      const contact::Capsule wood{at.top, at.tip, stick.capsule.radius};
+      const Pose frame = obstacle.frame(at.time).pose();
+      least = std::min(least, contact::least_gap(obstacle.shape, frame, wood));
     }
+    EXPECT_LT(least, 1e-3) << obstacle.name;
   }
 }
 

@@ -48,7 +48,8 @@ TEST(ContactDamping, BesideAWallAChainMovesAsWithout) {
   }
 }
 
-// What damps bends are forces between particles that turn nothing as a whole.
+// What damps bends are forces between particles that turn nothing as a whole. Places are put onto
+// the lengths of links after each step, which changes the angular momentum a little.
 TEST(ContactDamping, KeepsMomenta) {
   World world = beside_a_wall(bent_chain(kDamping));
   world.gravity.setZero();
@@ -58,10 +59,12 @@ TEST(ContactDamping, KeepsMomenta) {
     chain.velocity[i] = Vec3(0.3, 0.2, 0) + 4 * Vec3::UnitZ().cross(chain.position[i]);
   }
   finish(world);
-  const World end = after(world, 0.5, 1e-4);
+  constexpr double kTolerance = 1e-4;  // of a length of 1 m
+  const World end = after(world, 0.5, kTolerance);
   EXPECT_LT(energy(end), 0.99 * energy(world));
   EXPECT_LT((linear_momentum(end) - linear_momentum(world)).norm(), 1e-11);
-  EXPECT_LT((angular_momentum(end) - angular_momentum(world)).norm(), 1e-11);
+  EXPECT_LT((angular_momentum(end) - angular_momentum(world)).norm(),
+            0.1 * kTolerance * angular_momentum(world).norm());
 }
 
 // A chain between two points falls on a post. Its lowest wave, of half a metre to either side of
