@@ -2,6 +2,8 @@
 
 #include <functional>
 
+#include "render/draw/swept_shadows.h"
+
 namespace taut::draw {
 namespace {
 
@@ -55,24 +57,34 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
   parts.map.clear();
   parts.map.draw(chosen(all_items(parts, middle), casting(0)));
   parts.map.save(map);
+  SweptShadows shadows(parts, extents, shutter, grades, samples, block, map, map);
+  shadows.fill();
   const auto show = [&](const std::vector<DrawItem>& items, int grade, Shade shade,
-                        const FrameBlock& seen) {
+                        const FrameBlock& seen, bool swept) {
     parts.aim(canvas, viewport);
     parts.surfaces.use(seen);
-    draw_items(parts,
-               chosen(items,
-                      [&](std::size_t k) -> std::span<const std::uint32_t> {
-                        return extents.shown(k, grade);
-                      }),
-               shade);
+    const auto triangles = [&](std::size_t k) {
+      return swept ? extents.swept(k, grade) : extents.plain(k, grade);
+    };
+    draw_items(parts, chosen(items, triangles), shade);
   };
   const auto draw = [&](int i) {
     parts.draw_solid();
     parts.map.restore(map);
-    show(all_items(parts, middle), 0, Shade::shadowed, block);
+    show(all_items(parts, middle), 0, Shade::shadowed, block, false);
+    show(all_items(parts, middle), 0, Shade::swept, shadows.seen(0, 0), true);
+    parts.draw_scenery(Shade::grounded_swept);
     for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
       const int times = grades[grade - 1].count, at = canvas.exposure_among(times, i, count);
       const auto lowest = int(casting_grade(grades, grade, samples));
+      const Shade shade = shade_of(times, samples);
+      const FrameBlock seen = exposed(block, middle, viewport, at);
+      const bool layered = shadows.is_layered(int(grade));
+      FrameBlock swept_seen = seen;
+      if (layered) {
+        swept_seen = shadows.seen(int(grade), at);
+        swept_seen.view_projection = seen.view_projection;
+      }
       parts.surfaces.use(block);
       parts.draw_solid();
       parts.map.restore(map);
@@ -80,10 +92,8 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
         parts.map.draw(chosen(all_items(parts, middle), casting(slower)));
       const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, at, times));
       parts.map.draw(chosen(items, [&](std::size_t k) { return extents.moving(k, lowest); }));
-      show(items, int(grade), shade_of(times, samples), exposed(block, middle, viewport, at));
-      if (grade != shadow_grade(grades, samples)) continue;
-      parts.surfaces.use(block);
-      parts.draw_scenery(Shade::grounded);
+      show(items, int(grade), shade, seen, false);
+      show(items, int(grade), layered ? Shade::swept : shade, swept_seen, true);
     }
   };
   const gl::Exposed whole{{0, 0, canvas.width(), canvas.height()}, count, draw};

@@ -73,17 +73,21 @@ Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const pict
   return moved_by(view_projection, viewport, 0.25f * (point(i).array() - 0.5f));
 }
 
-Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3& casters, int i) {
+Eigen::Vector2f light_offset(const Eigen::Matrix4f& light_projection, int i) {
   const Eigen::Vector2f p = point(i);
   const float turn = 2 * std::numbers::pi_v<float> * p.x(), out = kSun * std::sqrt(p.y());
-  const float depth = light_projection.row(2).dot(casters.cast<float>().homogeneous());
+  const float metre = light_projection.row(2).head<3>().norm();  // in depths of the map
+  return out / metre *
+         Eigen::Vector2f(std::cos(turn) * light_projection.row(0).head<3>().norm(),
+                         std::sin(turn) * light_projection.row(1).head<3>().norm());
+}
+
+Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3& casters, int i) {
+  const Eigen::Vector2f offset = light_offset(light_projection, i);
   Eigen::RowVector4f beyond = light_projection.row(2);  // of a point, in depths of the map
-  beyond.w() -= depth;
-  beyond /= light_projection.row(2).head<3>().norm();  // in m
+  beyond.w() -= light_projection.row(2).dot(casters.cast<float>().homogeneous());
   Eigen::Matrix4f moved = light_projection;
-  for (int k = 0; k < 2; ++k)
-    moved.row(k) += out * (k ? std::sin(turn) : std::cos(turn)) *
-                    light_projection.row(k).head<3>().norm() * beyond;
+  for (int k = 0; k < 2; ++k) moved.row(k) += offset[k] * beyond;
   return moved;
 }
 

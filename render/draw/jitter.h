@@ -49,6 +49,10 @@ int backdrop_pictures(int samples);
 Eigen::Matrix4f moved_backdrop(const Eigen::Matrix4f& view_projection,
                                const picture::Rect& viewport, int i);
 
+/// How far exposure `i` moves a look-up in the shadow map for each depth of the map beyond what
+/// casts: the light comes from another point of its disc.
+Eigen::Vector2f light_offset(const Eigen::Matrix4f& light_projection, int i);
+
 /// The projection by which surfaces look shadows up in exposure `i`, if the light comes from
 /// another point of its disc. Casters count as being as far along the light as `casters`: so one
 /// map does for all, and shadows grow softer with their distance from there.

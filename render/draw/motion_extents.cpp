@@ -68,7 +68,7 @@ void MotionExtents::grade(std::span<const double> speeds) {
       const auto above = std::ranges::lower_bound(speeds, double(speed)) - speeds.begin();
       entry.moves.push_back(speed > 0 ? std::uint8_t(1 + above) : std::uint8_t(0));
     }
-    entry.shows = entry.moves;
+    entry.swept_below.assign(entry.moves.size(), 0);
   }
 }
 
@@ -85,8 +85,8 @@ void append(Triangles& triangles, const std::uint32_t* corner) {
 
 }  // namespace
 
-void MotionExtents::shade(ShadowCover& cover, int grade, int given) {
-  Triangles some, shaded;
+void MotionExtents::sweep(ShadowCover& cover, int grade, int below) {
+  Triangles some, swept;
   bool any = false;
   for (std::size_t item = 0; item < items_.size(); ++item) {
     const Entry& entry = items_[item];
@@ -103,28 +103,25 @@ void MotionExtents::shade(ShadowCover& cover, int grade, int given) {
     Entry& entry = items_[item];
     some.clear();
     for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
-      if (grades(entry.shows, &entry.triangles[i]).first < given) append(some, &entry.triangles[i]);
+      if (grades(entry.moves, &entry.triangles[i]).first < below) append(some, &entry.triangles[i]);
     if (some.empty()) continue;
-    cover.find(some, places(item)[times_.size() / 2], {}, shaded);
-    for (const std::uint32_t v : shaded)
-      entry.shows[v] = std::max(entry.shows[v], std::uint8_t(given));
+    cover.find(some, places(item)[times_.size() / 2], {}, swept);
+    for (const std::uint32_t v : swept)
+      entry.swept_below[v] = std::max(entry.swept_below[v], std::uint8_t(below));
   }
 }
 
-/// The triangles with a corner of a grade in that range, or on both sides of it.
+/// The triangles whose corners are chosen.
+template <typename Chosen>
 MotionExtents::Subset MotionExtents::subset(std::span<const std::uint32_t> triangles,
-                                            const std::vector<std::uint8_t>& of, int from, int to) {
-  const auto is_in = [&](std::size_t i) {
-    const auto [low, high] = grades(of, &triangles[i]);
-    return low <= to && high >= from;
-  };
+                                            Chosen chosen) {
   std::size_t count = 0;  // of indices
-  for (std::size_t i = 0; i < triangles.size(); i += 3) count += is_in(i) ? 3 : 0;
+  for (std::size_t i = 0; i < triangles.size(); i += 3) count += chosen(&triangles[i]) ? 3 : 0;
   if (count == triangles.size()) return {.some = {}, .all = true};
   Subset subset;
   subset.some.reserve(count);
   for (std::size_t i = 0; i < triangles.size(); i += 3)
-    if (is_in(i)) append(subset.some, &triangles[i]);
+    if (chosen(&triangles[i])) append(subset.some, &triangles[i]);
   return subset;
 }
 
@@ -132,14 +129,28 @@ void MotionExtents::divide() {
   const int highest = grades_ - 1;
   for (std::size_t i = 0; i < items_.size(); ++i) {
     Entry& entry = items_[i];
-    for (std::vector<Subset>* subsets : {&entry.casting, &entry.moving, &entry.shown})
+    for (std::vector<Subset>* subsets : {&entry.casting, &entry.moving, &entry.plain, &entry.swept})
       subsets->clear();
-    entry.shown_boxes.clear();
+    entry.casting_boxes.clear();
     for (int grade = 0; grade <= highest; ++grade) {
-      entry.casting.push_back(subset(entry.triangles, entry.moves, grade, grade));
-      entry.moving.push_back(subset(entry.triangles, entry.moves, grade, highest));
-      entry.shown.push_back(subset(entry.triangles, entry.shows, grade, grade));
-      entry.shown_boxes.push_back(grade > 0 ? box(i, entry.shown.back()) : Eigen::AlignedBox3f());
+      // With a corner of a grade in that range, or on both sides of it.
+      const auto moves = [&](const std::uint32_t* corner, int to) {
+        const auto [low, high] = grades(entry.moves, corner);
+        return low <= to && high >= grade;
+      };
+      const auto swept = [&](const std::uint32_t* corner) {
+        return grades(entry.swept_below, corner).second > grade;
+      };
+      const auto add = [&](std::vector<Subset>& subsets, auto chosen) {
+        subsets.push_back(subset(entry.triangles, chosen));
+      };
+      using Corner = const std::uint32_t*;
+      add(entry.casting, [&](Corner c) { return moves(c, grade); });
+      add(entry.moving, [&](Corner c) { return moves(c, highest); });
+      add(entry.plain, [&](Corner c) { return moves(c, grade) && !swept(c); });
+      add(entry.swept, [&](Corner c) { return moves(c, grade) && swept(c); });
+      entry.casting_boxes.push_back(grade > 0 ? box(i, entry.casting.back())
+                                              : Eigen::AlignedBox3f());
     }
     entry.moving_box = box(i, entry.moving[1]);
     entry.speed = {};

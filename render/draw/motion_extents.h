@@ -41,10 +41,10 @@ class MotionExtents {
                      double still = kStill);
   /// Grades what moves: 1, and one more for each of the rising speeds (px/s) that a vertex exceeds.
   void grade(std::span<const double> speeds);
-  /// Gives at least the grade `given` to the things shaded by triangles that move with `grade` or
-  /// a higher one. To be called for every grade above 0, the highest first; `cover` has been
-  /// started, and afterwards also holds the triangles that move with this grade.
-  void shade(ShadowCover& cover, int grade, int given);
+  /// Finds the triangles of grades below `below` that are swept: by the shadows of triangles that
+  /// move with `grade` or a higher one. To be called for every grade above 0, the highest first;
+  /// `cover` has been started, and afterwards also holds the triangles that move with this grade.
+  void sweep(ShadowCover& cover, int grade, int below);
   /// Divides triangles by what was found.
   void divide();
 
@@ -56,15 +56,18 @@ class MotionExtents {
   std::span<const std::uint32_t> moving(std::size_t item, int grade) const {
     return items_[item].moving[std::size_t(grade)].of(items_[item].triangles);
   }
-  /// Of an item: the triangles of this grade, which move so or are shaded by triangles that do.
-  std::span<const std::uint32_t> shown(std::size_t item, int grade) const {
-    return items_[item].shown[std::size_t(grade)].of(items_[item].triangles);
+  /// Of an item: the triangles that move with this grade and are not swept, and those that are.
+  std::span<const std::uint32_t> plain(std::size_t item, int grade) const {
+    return items_[item].plain[std::size_t(grade)].of(items_[item].triangles);
+  }
+  std::span<const std::uint32_t> swept(std::size_t item, int grade) const {
+    return items_[item].swept[std::size_t(grade)].of(items_[item].triangles);
   }
   /// Around what moves of an item, at all times.
   const Eigen::AlignedBox3f& moving_box(std::size_t item) const { return items_[item].moving_box; }
-  /// Around what of an item is shown with this grade above 0, at all times.
-  const Eigen::AlignedBox3f& shown_box(std::size_t item, int grade) const {
-    return items_[item].shown_boxes[std::size_t(grade)];
+  /// Around what of an item moves with this grade above 0, at all times.
+  const Eigen::AlignedBox3f& casting_box(std::size_t item, int grade) const {
+    return items_[item].casting_boxes[std::size_t(grade)];
   }
 
  private:
@@ -80,14 +83,15 @@ class MotionExtents {
   };
   struct Entry {
     std::span<const std::uint32_t> triangles;
-    std::vector<float> speed;                    // [vertex], px/s; 0: it stands still
-    std::vector<std::uint8_t> moves, shows;      // [vertex], grades
-    std::vector<Subset> casting, moving, shown;  // [grade]
+    std::vector<float> speed;                           // [vertex], px/s; 0: it stands still
+    std::vector<std::uint8_t> moves;                    // [vertex], grades
+    std::vector<std::uint8_t> swept_below;              // [vertex], the grade; 0: not swept
+    std::vector<Subset> casting, moving, plain, swept;  // [grade]
     Eigen::AlignedBox3f moving_box;
-    std::vector<Eigen::AlignedBox3f> shown_boxes;  // [grade]
+    std::vector<Eigen::AlignedBox3f> casting_boxes;  // [grade]
   };
-  static Subset subset(std::span<const std::uint32_t> triangles,
-                       const std::vector<std::uint8_t>& grades, int from, int to);
+  template <typename Chosen>
+  static Subset subset(std::span<const std::uint32_t> triangles, Chosen chosen);
   const std::vector<Places>& places(std::size_t item);
   Eigen::AlignedBox3f box(std::size_t item, const Subset& subset);
 

@@ -161,7 +161,10 @@ void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> 
   for (const auto& [viewport, camera] : views)
     if (camera.relative_aperture > 0 && parts.shading.lit)
       unfocused.push_back({viewport, confusion(camera, viewport.height)});
-  canvas.draw_backdrop(backdrop_pictures(canvas.samples()), draw, unfocused);
+  // What moves past has no edges that are looked at for long: those are smoothed as of all that
+  // moves.
+  const bool moves = std::ranges::any_of(views, [](const View& v) { return v.camera.moves; });
+  canvas.draw_backdrop(moves ? 1 : backdrop_pictures(canvas.samples()), draw, unfocused);
 }
 
 FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,

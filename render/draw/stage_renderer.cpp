@@ -9,6 +9,7 @@
 #include "render/draw/screen_extent.h"
 #include "render/draw/shading/shadow_cover.h"
 #include "render/draw/stage_parts.h"
+#include "render/draw/swept_shadows.h"
 #include "sim/motion/hash.h"
 #include "sim/motion/stop.h"
 
@@ -74,14 +75,14 @@ struct StageRenderer::Impl : StageParts {
   }
 
   /// The scenery once more, where it still is in front.
-  void draw_reached(const Reached& found) {
+  void draw_reached(const Reached& found, Shade shade) {
     gl.DepthFunc(GL_LEQUAL);
     gl.Enable(GL_SCISSOR_TEST);
     for (std::size_t i = 0; i < scenery.size(); ++i) {
       const picture::Rect& part = found[i].pixels;
       if (part.empty()) continue;
       gl.Scissor(part.x, part.y, part.width, part.height);
-      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, Shade::grounded);
+      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, shade);
     }
     gl.Disable(GL_SCISSOR_TEST);
   }
@@ -119,9 +120,25 @@ struct StageRenderer::Impl : StageParts {
     }
     find_reached(look.contacts, still_reached);
     find_pixels(boxes, look.contacts, look.block, viewport, still_reached);
-    draw_reached(still_reached);
+    draw_reached(still_reached, Shade::grounded);
     for (const ReachedPart& part : still_reached) canvas.touch(part.pixels);
     lap("shadows");
+  }
+
+  /// Draws what stands still, and the scenery, in the shadows that sweep over them.
+  void paint_swept(gl::Canvas& canvas, const picture::Rect& viewport, SweptShadows& shadows,
+                   const FrameState& middle) {
+    shadows.fill();
+    lap("layers");
+    parts.pose(middle);
+    aim(canvas, viewport);
+    surfaces.use(shadows.seen(0, 0));
+    draw_solid();
+    for (std::size_t k = 0; const DrawItem& item : parts.items(middle))
+      surfaces.draw({item, extents.swept(k++, 0)}, Shade::swept);
+    draw_reached(moving_reached, Shade::grounded_swept);
+    for (const ReachedPart& part : moving_reached) canvas.touch(part.pixels);
+    lap("swept shadows");
   }
 
   /// Has what moves with the grade below stand in the shadow map, too.
@@ -229,7 +246,7 @@ std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameSta
   start_cover(look);
   const std::size_t shadows = shadow_grade(grades, canvas.samples());
   for (std::size_t grade = grades.size(); grade > 0; --grade)
-    extents.shade(cover, int(grade), int(std::min(grade, shadows)));
+    extents.sweep(cover, int(grade), int(std::min(grade, shadows)));
   extents.divide();
   return grades;
 }
@@ -263,21 +280,28 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
   Boxes casting;
   HullPoints in_map;
   for (std::size_t i = 0; i < items.size(); ++i) {
-    still.emplace_back(items[i], d.extents.shown(i, 0));
+    still.emplace_back(items[i], d.extents.plain(i, 0));
     still_casters.emplace_back(items[i], d.extents.casting(i, 0));
     casting.push_back(d.extents.moving_box(i));
     add_box(casting.back(), in_map);
   }
-  const picture::Rect map_part = pixels(in_map, map_to_clip() * look.block.light_projection,
-                                        {0, 0, d.map.size(), d.map.size()});
-  const picture::Rect shadow = d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
+  const auto on_map = [&](const HullPoints& hull) {
+    return pixels(hull, map_to_clip() * look.block.light_projection,
+                  {0, 0, d.map.size(), d.map.size()});
+  };
+  const picture::Rect map_part = on_map(in_map);
+  for (const DrawItem& item : items) add_box(item.box(), in_map);
+  const picture::Rect casters_part = on_map(in_map);
+  d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
   d.lap("sweep");
   d.paint(canvas, viewport, look, still, still_casters, 1);
   d.map.save(map_part);
+  SweptShadows shadows(d, d.extents, shutter, grades, canvas.samples(), look.block, map_part,
+                       casters_part);
+  d.paint_swept(canvas, viewport, shadows, middle);
 
   std::vector<gl::Exposed> together;  // those that share what stands in the shadow map
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
-    const bool shaded = grade == shadow_grade(grades, canvas.samples());
     const auto lowest = int(casting_grade(grades, grade, canvas.samples()));
     if (lowest > 1 && lowest == int(grade)) {
       canvas.expose(together);
@@ -287,18 +311,26 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
     }
     HullPoints things;
     for (std::size_t i = 0; i < items.size(); ++i)
-      add_box(d.extents.shown_box(i, int(grade)), things);
-    const picture::Rect part = picture::hull(pixels(things, look.block.view_projection, viewport),
-                                             shaded ? shadow : picture::Rect());
+      add_box(d.extents.casting_box(i, int(grade)), things);
+    const picture::Rect part = pixels(things, look.block.view_projection, viewport);
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
-    const auto draw = [&, grade, lowest, shaded, part, count](int i) {
+    bool swept = false;
+    for (std::size_t i = 0; i < items.size(); ++i) swept |= !d.extents.swept(i, int(grade)).empty();
+    const auto draw = [&, grade, lowest, swept, part, count](int i) {
       check_stop();
+      const bool layered = swept && shadows.is_layered(int(grade));
+      FrameBlock seen = exposed(look.block, middle, viewport, i), swept_seen = seen;
+      if (layered) {
+        swept_seen = shadows.seen(int(grade), i);
+        swept_seen.view_projection = seen.view_projection;
+      }
       const FrameState& instant = shown_at(shutter, i, count);
       d.parts.pose(instant);
-      std::vector<DrawItem> shown, casters;
+      std::vector<DrawItem> plain, in_shadows, casters;
       for (std::size_t k = 0; const DrawItem& item : d.parts.items(instant)) {
-        shown.emplace_back(item, d.extents.shown(k, int(grade)));
+        plain.emplace_back(item, d.extents.plain(k, int(grade)));
+        in_shadows.emplace_back(item, d.extents.swept(k, int(grade)));
         casters.emplace_back(item, d.extents.moving(k, lowest));
         ++k;
       }
@@ -308,12 +340,14 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
       d.map.draw(casters);
 
       d.aim(canvas, viewport);
-      d.surfaces.use(exposed(look.block, middle, viewport, i));
       d.gl.Enable(GL_SCISSOR_TEST);
       d.gl.Scissor(part.x, part.y, part.width, part.height);
-      for (const DrawItem& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
+      const Shade shade = shade_of(count, canvas.samples());
+      d.surfaces.use(seen);
+      for (const DrawItem& item : plain) d.surfaces.draw(item, shade);
+      d.surfaces.use(swept_seen);
+      for (const DrawItem& item : in_shadows) d.surfaces.draw(item, layered ? Shade::swept : shade);
       d.surfaces.use(look.block);
-      if (shaded) d.draw_reached(d.moving_reached);
     };
     together.push_back({part, count, draw});
   }

@@ -16,10 +16,10 @@ namespace taut::gl {
   X(Enable) X(EnableVertexArrayAttrib) X(Finish) X(GenerateTextureMipmap) X(GetIntegerv) X(GetMultisamplefv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) X(GetUniformLocation) \
   X(LinkProgram) X(NamedBufferData) X(NamedFramebufferDrawBuffer) X(NamedFramebufferReadBuffer) \
-  X(NamedFramebufferTexture) X(PixelStorei) X(PolygonOffset) X(ProgramUniform1f) \
+  X(NamedFramebufferTexture) X(NamedFramebufferTextureLayer) X(PixelStorei) X(PolygonOffset) X(ProgramUniform1f) \
   X(ProgramUniform1i) X(ProgramUniform2i) X(ProgramUniform3fv) X(ProgramUniform4fv) X(ProgramUniformMatrix4fv) \
   X(ReadPixels) X(SampleMaski) X(SamplerParameteri) X(Scissor) X(ShaderSource) X(TextureParameteri) X(TextureStorage2D) \
-  X(TextureStorage2DMultisample) X(TextureSubImage2D) X(TextureSubImage3D) X(UseProgram) X(VertexArrayAttribBinding) \
+  X(TextureStorage2DMultisample) X(TextureStorage3D) X(TextureSubImage2D) X(TextureSubImage3D) X(UseProgram) X(VertexArrayAttribBinding) \
   X(VertexArrayAttribFormat) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) X(Viewport)
 // clang-format on
 

@@ -55,6 +55,18 @@ GlObject make_texture(const Gl& gl, GLenum format, int width, int height, int sa
   return {gl, id, [](const Gl& g, GLuint i) { g.DeleteTextures(1, &i); }};
 }
 
+GlObject make_depth_layers(const Gl& gl, GLenum format, int width, int height, int layers) {
+  GLuint id = 0;
+  gl.CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &id);
+  gl.TextureStorage3D(id, 1, format, width, height, layers);
+  for (const auto& [name, value] : {std::pair(GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE),
+                                    {GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE},
+                                    {GL_TEXTURE_MIN_FILTER, GL_NEAREST},
+                                    {GL_TEXTURE_MAG_FILTER, GL_NEAREST}})
+    gl.TextureParameteri(id, GLenum(name), value);
+  return {gl, id, [](const Gl& g, GLuint i) { g.DeleteTextures(1, &i); }};
+}
+
 GlObject make_depth_sampler(const Gl& gl) {
   GLuint id = 0;
   gl.CreateSamplers(1, &id);
@@ -67,7 +79,9 @@ GlObject make_depth_sampler(const Gl& gl) {
   return {gl, id, [](const Gl& g, GLuint i) { g.DeleteSamplers(1, &i); }};
 }
 
-GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth) {
+namespace {
+
+GlObject make_target(const Gl& gl, GLuint color) {
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);
   GlObject framebuffer(gl, id, [](const Gl& g, GLuint i) { g.DeleteFramebuffers(1, &i); });
@@ -77,12 +91,29 @@ GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth) {
     gl.NamedFramebufferDrawBuffer(id, GL_NONE);
     gl.NamedFramebufferReadBuffer(id, GL_NONE);
   }
-  if (depth) gl.NamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth, 0);
-  const GLenum status = gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER);
+  return framebuffer;
+}
+
+GlObject checked(const Gl& gl, GlObject framebuffer) {
+  const GLenum status = gl.CheckNamedFramebufferStatus(framebuffer.id(), GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE)
     throw render::NoContext(
         fmt::format("the driver cannot draw into this framebuffer ({:#x})", status));
   return framebuffer;
+}
+
+}  // namespace
+
+GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth) {
+  GlObject framebuffer = make_target(gl, color);
+  if (depth) gl.NamedFramebufferTexture(framebuffer.id(), GL_DEPTH_ATTACHMENT, depth, 0);
+  return checked(gl, std::move(framebuffer));
+}
+
+GlObject make_layer_framebuffer(const Gl& gl, GLuint layers, int layer) {
+  GlObject framebuffer = make_target(gl, 0);
+  gl.NamedFramebufferTextureLayer(framebuffer.id(), GL_DEPTH_ATTACHMENT, layers, 0, layer);
+  return checked(gl, std::move(framebuffer));
 }
 
 Program::Program(const Gl& gl, const std::string& defines, const char* vertex, const char* fragment)

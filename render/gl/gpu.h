@@ -46,11 +46,16 @@ GlObject make_vertex_array(const Gl& gl);
 /// its edge, linearly filtered.
 GlObject make_texture(const Gl& gl, GLenum format, int width, int height, int samples = 0,
                       int levels = 1);
+/// Pictures of depths, one over the other, looked up by the nearest.
+GlObject make_depth_layers(const Gl& gl, GLenum format, int width, int height, int layers);
 /// How the depths of a texture for comparisons are looked up without one.
 GlObject make_depth_sampler(const Gl& gl);
 /// A framebuffer of one colour and one depth texture (either may be 0). Throws NoContext where the
 /// driver cannot draw into it.
 GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth);
+
+/// One of a depth of layers.
+GlObject make_layer_framebuffer(const Gl& gl, GLuint layers, int layer);
 
 /// Replaces a buffer's contents.
 template <typename T>

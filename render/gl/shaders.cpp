@@ -33,11 +33,25 @@ layout(binding = 7) uniform sampler2D picture;
 // What lies beyond the map's depths is lit where nothing is in them.
 float shadow_depth() { return min(shadow_position.z, 1.0); }
 
+#if LAYERED
+layout(binding = 8) uniform sampler2DArray layers;  // depths of a part of the map, at several instants
+
+vec4 depths_at(vec2 place, int layer) {
+  return textureGather(layers, vec3(place * on_layers.xy + on_layers.zw, layer));
+}
+// Beyond them nothing casts.
+bool is_on_layers() {
+  return all(greaterThan(shadow_position.xy, layered.xy)) && all(lessThan(shadow_position.xy, layered.zw));
+}
+#else
+vec4 depths_at(vec2 place, int layer) { return textureGather(casters, place); }
+#endif
+
 #if SHADE == 1 || SHADE == 3
 // The light past four texels of the shadow map. A surface that the light grazes is as uneven in the
 // map as its depth changes from texel to texel: within 1.5 times that it fades into the shadow.
-vec4 lit_past(vec2 corner, float sharpness) {
-  vec4 depths = textureGather(casters, corner * (1.0 / SHADOW_SIZE));
+vec4 lit_past(vec2 corner, float sharpness, int layer) {
+  vec4 depths = depths_at(corner * (1.0 / SHADOW_SIZE), layer);
   return clamp((depths - shadow_depth()) * sharpness + 1, 0, 1);
 }
 
@@ -49,54 +63,28 @@ float sharpness_of(float nl) {
 #endif
 
 // One bilinear comparison with the shadow map.
-float lit_at(vec2 place, float sharpness) {
+float lit_at(vec2 place, float sharpness, int layer) {
   vec2 at = place * SHADOW_SIZE - 0.5, corner = floor(at), f = at - corner;
 #if SHADE == 3
-  vec4 lit = lit_past(corner + 1, sharpness);
+  vec4 lit = lit_past(corner + 1, sharpness, layer);
+#elif LAYERED
+  vec4 lit = vec4(greaterThanEqual(depths_at((corner + 1) * (1.0 / SHADOW_SIZE), layer), vec4(shadow_depth())));
 #else
   vec4 lit = textureGather(shadow_map, (corner + 1) * (1.0 / SHADOW_SIZE), shadow_depth());
 #endif
   return dot(lit, vec4((1 - f.x) * f.y, f.x * f.y, f.x * (1 - f.y), (1 - f.x) * (1 - f.y)));
 }
 
-// 1 where the key light reaches. Loops rather than conditions, as software rasterisers skip only
-// loops: nothing is looked up where the surface faces away or lies outside the map.
-float key_visibility(bool needed, float nl) {
-#if SHADE == 0
-  return 1;
-#else
-  vec2 inside = abs(shadow_position.xy - 0.5);
-  needed = needed && max(inside.x, inside.y) < 0.5;
-#if SHADE == 3
-  // The mean of the exposures is smooth.
-  float sum = 1;
-  for (int i = needed ? 0 : 1; i < 1; ++i) sum = lit_at(shadow_position.xy, sharpness_of(nl));
-  return sum;
-#elif SHADE == 1
-  // 3x3 comparisons, from four gathers of 2x2 texels: as wide as penumbras from a quarter metre away.
-  vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
-  vec2 corner = floor(at), f = at - corner;
-  float sum = 0, sharpness = sharpness_of(nl);
-  int i = needed ? 0 : 4;
-  if (i == 4) sum = 9;
-  for (; i < 4; ++i) {
-    vec2 place = vec2(i & 1, i >> 1) * 2 - 1;
-    vec4 lit = lit_past(corner + place + 1, sharpness);
-    vec2 w = vec2(place.x < 0 ? 1 - f.x : 1, place.x > 0 ? f.x : 1);
-    vec2 h = vec2(place.y < 0 ? 1 - f.y : 1, place.y > 0 ? f.y : 1);
-    sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
-  }
-  return sum * (1.0 / 9.0);
-#else
-  // What hides the light is how far away (Fernando 2005)? Then the light's disc from there, each of
-  // its points from another place of the pixel.
-  vec2 across = dFdx(shadow_position.xy), down = dFdy(shadow_position.xy);
+#if SHADE == 2
+// What hides the light is how far away (Fernando 2005)? Then the light's disc from there, each of
+// its points from another place of the pixel.
+float disc_visibility(bool needed, vec2 across, vec2 down, int layer) {
   float widest = max(penumbra * shadow_depth(), LEAST_PENUMBRA);
   vec2 found = vec2(0);  // depths, and how many
   for (int i = needed ? 0 : 5; i < 5; ++i) {
     vec2 corner = i < 4 ? vec2(i & 1, i >> 1) * 1.4 - 0.7 : vec2(0);
-    vec4 depths = textureGather(casters, shadow_position.xy + widest * corner +
-                                             0.5 * (corner.x * across + corner.y * down));
+    vec4 depths = depths_at(shadow_position.xy + widest * corner +
+                                0.5 * (corner.x * across + corner.y * down), layer);
     vec4 near = vec4(lessThan(depths, vec4(shadow_depth())));
     found += vec2(dot(near, depths), dot(near, vec4(1)));
   }
@@ -109,9 +97,58 @@ float key_visibility(bool needed, float nl) {
                      0.67549029 * direction.x - 0.73736888 * direction.y);
     vec2 within = fract(0.5 + float(i) * vec2(0.75487767, 0.56984029)) - 0.5;  // Roberts 2018
     sum += lit_at(shadow_position.xy + radius * sqrt((float(i) + 0.5) / 16) * direction +
-                      within.x * across + within.y * down, 0);
+                      within.x * across + within.y * down, 0, layer);
   }
   return sum * (1.0 / 16.0);
+}
+#endif
+
+// 1 where the key light reaches. Loops rather than conditions, as software rasterisers skip only
+// loops: nothing is looked up where the surface faces away or lies outside the map.
+float key_visibility(bool needed, float nl) {
+#if SHADE == 0
+  return 1;
+#else
+  vec2 inside = abs(shadow_position.xy - 0.5);
+  needed = needed && max(inside.x, inside.y) < 0.5;
+#if SHADE == 3 && LAYERED
+  // The mean of the layers is smooth.
+  float sum = 0, sharpness = sharpness_of(nl), beyond = shadow_position.z - pivot;
+  needed = needed && is_on_layers();
+  for (int k = needed ? first_layer : end_layer; k < end_layer; ++k)
+    sum += lit_at(shadow_position.xy + beyond * moved_light[k].xy, sharpness, k);
+  return needed ? sum / float(end_layer - first_layer) : 1;
+#elif SHADE == 3
+  // The mean of the exposures is smooth.
+  float sum = 1;
+  for (int i = needed ? 0 : 1; i < 1; ++i) sum = lit_at(shadow_position.xy, sharpness_of(nl), -1);
+  return sum;
+#elif SHADE == 1
+  // 3x3 comparisons, from four gathers of 2x2 texels: as wide as penumbras from a quarter metre away.
+  vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
+  vec2 corner = floor(at), f = at - corner;
+  float sum = 0, sharpness = sharpness_of(nl);
+  int i = needed ? 0 : 4;
+  if (i == 4) sum = 9;
+  for (; i < 4; ++i) {
+    vec2 place = vec2(i & 1, i >> 1) * 2 - 1;
+    vec4 lit = lit_past(corner + place + 1, sharpness, -1);
+    vec2 w = vec2(place.x < 0 ? 1 - f.x : 1, place.x > 0 ? f.x : 1);
+    vec2 h = vec2(place.y < 0 ? 1 - f.y : 1, place.y > 0 ? f.y : 1);
+    sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
+  }
+  return sum * (1.0 / 9.0);
+#else
+  vec2 across = dFdx(shadow_position.xy), down = dFdy(shadow_position.xy);
+#if LAYERED
+  needed = needed && is_on_layers();
+  float sum = 0;
+  for (int k = needed ? first_layer : end_layer; k < end_layer; ++k)
+    sum += disc_visibility(needed, across, down, k);
+  return needed ? sum / float(end_layer - first_layer) : 1;
+#else
+  return disc_visibility(needed, across, down, -1);
+#endif
 #endif
 #endif
 }

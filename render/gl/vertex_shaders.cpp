@@ -12,6 +12,13 @@ layout(std140, binding = 0) uniform Frame {
   vec4 capsule_to[12];      // xyz; w: 1/length^2
   float penumbra;          // half of it, in widths of the map, for each of its depths
   float texel_depth;       // a texel's width, in depths of the map
+  // What moves stands in layers, at several instants: a part of the map. The light comes from
+  // another point of its disc in each.
+  float pivot;             // the depth at which that moves nothing
+  int first_layer, end_layer;
+  vec4 moved_light[8];     // xy: how far it moves a look-up, for each depth beyond the pivot
+  vec4 layered;            // xy: the part's corner, zw: its opposite one, in widths of the map
+  vec4 on_layers;          // a place on the map to one on the layers: xy times, zw more
 };
 )";
 

@@ -67,6 +67,9 @@ CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
                   between(all, i, u, &CameraKey::field_of_view),
                   std::max(between(all, i, u, &CameraKey::relative_aperture), 0.0),
                   std::max(between(all, i, u, focus_of), kNearest)};
+  view.moves = keys[i].position != keys[next].position || keys[i].target != keys[next].target ||
+               keys[i].field_of_view != keys[next].field_of_view ||
+               keys[i].orbit != keys[next].orbit;
   if (const auto [round, at] = orbit_around(all, i); !round.empty())
     view.position =
         view.target +

@@ -36,6 +36,7 @@ struct CameraView {
   double field_of_view;          // vertical, rad
   double relative_aperture = 0;  // 0: all is sharp
   double focus = 1;              // m along the view
+  bool moves = false;            // it is on its way from one key to another
 };
 
 struct Light {

@@ -115,14 +115,15 @@ TEST_F(MotionExtentsTest, GradesAreOfSpeed) {
   extents_.grade(limits);
   extents_.divide();
   // Squares 0 to 3 stand, 5 to 7 are slow, 9 is fast; 4 and 8 are on borders.
-  EXPECT_EQ(extents_.shown(0, 0).size(), 5u * 6);
-  EXPECT_EQ(extents_.shown(0, 1).size(), 5u * 6);
-  EXPECT_EQ(extents_.shown(0, 2).size(), 2u * 6);
-  EXPECT_GT(extents_.shown_box(0, 2).min().x(), 0.75f);
+  EXPECT_EQ(extents_.plain(0, 0).size(), 5u * 6);
+  EXPECT_EQ(extents_.plain(0, 1).size(), 5u * 6);
+  EXPECT_EQ(extents_.plain(0, 2).size(), 2u * 6);
+  EXPECT_TRUE(extents_.swept(0, 0).empty());
+  EXPECT_GT(extents_.casting_box(0, 2).min().x(), 0.75f);
   EXPECT_LT(extents_.moving_box(0).min().x(), 0.45f);
 }
 
-TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
+TEST_F(MotionExtentsTest, WhatMovesSweepsWhereItsShadowFalls) {
   // A second ribbon stands behind the moving end of the first, as the light sees it.
   Ribbon behind(context_.gl(), 10);
   behind.move(10, [](float) { return Vector3f(0, 0, -0.5f); });
@@ -138,14 +139,16 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
   cover.start(draw::light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f, 0);
   const double limits[] = {0.001};  // px/s: everything that moves is faster
   extents_.grade(limits);
-  extents_.shade(cover, 2, 2);
-  extents_.shade(cover, 1, 1);
+  extents_.sweep(cover, 2, 2);
+  extents_.sweep(cover, 1, 1);
   extents_.divide();
   EXPECT_TRUE(extents_.moving(1, 1).empty());
-  EXPECT_FALSE(extents_.shown(1, 2).empty());
-  const Eigen::AlignedBox3f shaded = extents_.shown_box(1, 2);
-  EXPECT_GT(shaded.min().x(), 0.35f);
-  EXPECT_GE(shaded.max().x(), 1.0f);
+  EXPECT_TRUE(extents_.swept(0, 2).empty());
+  EXPECT_EQ(extents_.plain(1, 0).size() + extents_.swept(1, 0).size(), 10u * 6);
+  Eigen::AlignedBox3f swept;
+  for (const std::uint32_t v : extents_.swept(1, 0)) swept.extend(behind.drawable.positions()[v]);
+  EXPECT_GT(swept.min().x(), 0.35f);
+  EXPECT_GE(swept.max().x(), 1.0f);
 }
 
 }  // namespace

@@ -27,6 +27,12 @@ std::string mirror_constants(const Surroundings& around) {
   return constants + fmt::format("#define ROUGHEST {}.0\n", around.levels - 1);
 }
 
+/// The same shade by one look-up, without layers.
+Shade looked_up(Shade shade) {
+  if (shade == Shade::swept) return Shade::averaged;
+  return shade == Shade::grounded_swept ? Shade::grounded : shade;
+}
+
 }  // namespace
 
 FrameBlock::FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport)
@@ -35,6 +41,7 @@ FrameBlock::FrameBlock(const scenes::CameraView& camera, const picture::Rect& vi
   eye << camera.position.cast<float>(), 0;
   capsule_from.fill(Eigen::Vector4f::Zero());
   capsule_to.fill(Eigen::Vector4f::Zero());
+  moved_light.fill(Eigen::Vector4f::Zero());
 }
 
 Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& around,
@@ -58,10 +65,11 @@ const gl::Program& Surfaces::program(const Variant& v) {
   if (!slot)
     slot = std::make_unique<gl::Program>(
         gl_,
-        fmt::format("#define SURFACE {}\n#define SHADE {}\n#define GLOSSY {:d}\n#define BATHED "
+        fmt::format("#define SURFACE {}\n#define SHADE {}\n#define LAYERED {:d}\n#define GLOSSY "
+                    "{:d}\n#define BATHED "
                     "{:d}\n#define FINE {:d}\n#define TEXTURED {:d}\n{}",
-                    int(v.surface), int(v.shade), v.glossy, v.bathed, v.fine, v.textured,
-                    constants_),
+                    int(v.surface), int(looked_up(v.shade)), looked_up(v.shade) != v.shade,
+                    v.glossy, v.bathed, v.fine, v.textured, constants_),
         gl::shaders::surface_vertex, gl::shaders::surface_fragment);
   return *slot;
 }

@@ -17,6 +17,8 @@
 namespace taut::draw {
 
 constexpr std::size_t kCapsules = 12;
+/// Most instants of what moves whose shadows a surface shows at once.
+constexpr std::size_t kLayers = 8;
 
 /// The uniforms of a frame for every surface; mirrors the shaders' block.
 struct FrameBlock {
@@ -25,6 +27,13 @@ struct FrameBlock {
   std::array<Eigen::Vector4f, kCapsules> capsule_from, capsule_to;
   float penumbra = 0;     // half of it, in widths of the map, for each of its depths
   float texel_depth = 0;  // a texel's width, in depths of the map
+  float pivot = 0;        // the depth at which moving the light moves no shadow
+  int first_layer = 0, end_layer = 0;
+  std::array<float, 3> unused{};
+  std::array<Eigen::Vector4f, kLayers>
+      moved_light;  // xy: of each layer, for a depth past the pivot
+  Eigen::Vector4f layered = Eigen::Vector4f::Zero();
+  Eigen::Vector4f on_layers = Eigen::Vector4f::Zero();
 
   /// Without anything that moves.
   FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);
@@ -43,6 +52,8 @@ enum class Shade {
   shadowed,  // the shadow map, and capsules of bodies
   grounded,  // the same with those of feet; the share of it that is left of the backdrop's light
   averaged,  // the shadow map less smoothly, for one of many exposures in different lights
+  swept,     // the mean of several such look-ups, in the layers of the shadow map
+  grounded_swept,  // as grounded, the mean of the shadow map's layers
 };
 
 /// The surroundings of the things of a stage, besides the key light.
