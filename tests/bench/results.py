@@ -15,12 +15,13 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 
 from markdown_tables import cells
 import results_engines  # adds its results
-from results_tables import ANIMATIONS, RESULTS, Failed, check_animation
+from results_tables import ANIMATIONS, RESULTS, Failed, check_animation, check_pictures
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PLACE = re.compile(r"<!-- results: ([a-z-]+) -->\n(.*?)<!-- /results -->\n", re.DOTALL)
@@ -39,6 +40,10 @@ class Workshop:
         command = command.replace(f"{SOURCE}/", "")  # where it runs; a page names no machine's paths
         self.commands.append(command)
         words = shlex.split(command)
+        if "--out" in words:  # files of an earlier run would be read on into
+            folder = SOURCE / words[words.index("--out") + 1]
+            if self.out in folder.parents:
+                shutil.rmtree(folder, ignore_errors=True)
         program = next((p for p in (self.build / words[0], self.build / "tests/bench" / words[0],
                                     self.build / "tests" / words[0]) if p.is_file()), words[0])
         done = subprocess.run([str(program), *words[1:]], cwd=SOURCE, capture_output=True, text=True, check=False,
@@ -123,9 +128,11 @@ def main():
             print(f"results.py: {name}: {type(problem).__name__}: {problem}", file=sys.stderr)
             failures += 1
     if options.check:
-        for name in ANIMATIONS:
+        pages = [page for page in SOURCE.rglob("README.md") if "build" not in page.relative_to(SOURCE).parts]
+        checks = [lambda name=name: check_animation(SOURCE, name) for name in ANIMATIONS]
+        for check in [*checks, lambda: check_pictures(SOURCE, pages)]:
             try:
-                check_animation(SOURCE, name)
+                check()
             except (Failed, OSError) as problem:
                 print(f"results.py: {problem}", file=sys.stderr)
                 failures += 1

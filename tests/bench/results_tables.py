@@ -56,7 +56,7 @@ class Animation:
         return (self.last - self.first) // 2 + 1
 
 
-ANIMATIONS = {"throw.webp": Animation("scenes/nunchaku.toml", 509, 727), "first.webp": Animation("scenes/tutorial/first.toml", 0, 178)}
+ANIMATIONS = {"throw.webp": Animation("scenes/nunchaku.toml", 431, 649), "first.webp": Animation("scenes/tutorial/first.toml", 0, 178)}
 
 
 def pictures_in(file):
@@ -76,10 +76,21 @@ def check_animation(source, name):
         raise Failed(f"assets/pictures/{name} has {found} pictures, its command draws {drawn}")
 
 
+def check_pictures(source, pages):
+    """Every picture is on a page and every picture of a page is there; a function here or among the engines makes it."""
+    there = {file.name for file in (source / "assets/pictures").iterdir()}
+    shown = {name for page in pages for name in re.findall(r"assets/pictures/([\w.]+)\)", page.read_text())}
+    sources = "".join((source / "tests/bench" / f"results_{which}.py").read_text() for which in ("tables", "engines"))
+    for name in sorted(there ^ shown):
+        raise Failed(f"assets/pictures/{name} is {'on no page' if name in there else 'missing'}")
+    for name in sorted(there):
+        if f'"{name}"' not in sources:
+            raise Failed(f"assets/pictures/{name}: no result makes it")
+
+
 def animate(work, name):
     animation = ANIMATIONS[name]
     folder = work.out / name.removesuffix(".webp")
-    shutil.rmtree(folder, ignore_errors=True)
     work.run(f"taut render {animation.scene} --frames {animation.first}-{animation.last} --size 640x360 --no-video --out {folder}")
     work.run(f"ffmpeg -y -v error -framerate 60 -start_number {animation.first} -i {folder}/frames/%06d.png "
              f"-vf \"select='not(mod(n,2))',setpts=N/30/TB\" -r 30 -loop 0 -quality 75 -compression_level 6 assets/pictures/{name}")
@@ -403,14 +414,20 @@ def export(work):
 
 @result("clip", RENDER)
 def clip(work):
-    """seconds per frame of the whole demo, its contact sheet and the throw"""
+    """seconds per frame of the whole demo"""
     told = json.loads(work.run("taut render scenes/nunchaku.toml --anew --json -q --out out/results/nunchaku"))
-    work.run("taut render scenes/nunchaku.toml --contact-sheet --size 1440x810 --out out/results/nunchaku")
-    keep(work, work.out / "nunchaku/contact_sheet.png", "nunchaku.png")
-    animate(work, "throw.webp")
     times = told["seconds_per_frame"]
     return (f"The whole demo takes {times['rendering']:.2g} s of drawing, {times['simulation']:.2g} s of simulating and "
             f"{times['encoding']:.2g} s of encoding a frame, with {told['mean_exposures']:.1f} exposures on average.")
+
+
+@result("phases", RENDER)
+def phases(work):
+    """the contact sheet of the demo, and the throw"""
+    work.run("taut render scenes/nunchaku.toml --contact-sheet --size 1440x810 --out out/results/phases")
+    keep(work, work.out / "phases/contact_sheet.png", "nunchaku.png")
+    animate(work, "throw.webp")
+    return "![Phases of the demonstration](../assets/pictures/nunchaku.png)"
 
 
 @result("curtain", SIM)
