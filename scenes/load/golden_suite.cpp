@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <ranges>
 
 #include "scenes/format/format.h"
 #include "scenes/load/load_scene.h"
@@ -130,7 +129,8 @@ GoldenSuite golden_suite_from(const Document& document, const std::vector<std::s
   };
   Scenes scenes;
   if (frames) {
-    for (const Value& value : frames->children | std::views::filter(is_wanted)) {
+    for (const Value& value : frames->children) {
+      if (!is_wanted(value)) continue;
       Kept kept = read_kept(document, value, "time", scenes);
       suite.frames.push_back({value.name, std::move(kept.scene), kept.frame, std::move(kept.method),
                               kept.within,
@@ -138,7 +138,8 @@ GoldenSuite golden_suite_from(const Document& document, const std::vector<std::s
     }
   }
   if (trajectories) {
-    for (const Value& value : trajectories->children | std::views::filter(is_wanted)) {
+    for (const Value& value : trajectories->children) {
+      if (!is_wanted(value)) continue;
       Kept kept = read_kept(document, value, "until", scenes);
       suite.trajectories.push_back(
           {value.name, std::move(kept.scene), kept.frame, std::move(kept.method), kept.within});

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <random>
 #include <vector>
 
@@ -16,7 +17,7 @@
 #include "scenes/load/golden_suite.h"
 #include "scenes/load/plan_file.h"
 #include "sim/evaluation/run.h"
-#include "tests/fuzz/targets.h"
+#include "tests/fuzz/readers.h"
 #include "tests/support/folder.h"
 #include "tests/unit/scenes/model_files.h"
 
@@ -84,6 +85,16 @@ std::vector<std::string> scenes() {
   return inputs;
 }
 
+/// Those that name no models, each of which is read by a process of its own.
+std::vector<std::string> stages() {
+  std::vector<std::string> inputs;
+  for (const std::string& input : files_in(TAUT_SOURCE_DIR "/scenes", ".toml")) {
+    const bool names = input.find("mesh") != input.npos || input.find("\nextends") != input.npos;
+    if (!names && input.find("[stage") != input.npos) inputs.push_back(input);
+  }
+  return inputs;
+}
+
 std::string base64(const std::string& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -97,10 +108,10 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// And the corpus of meshes, whose first bytes say another format.
+/// And the corpus of models, also of another format.
 std::vector<std::string> with_corpus(std::vector<std::string> inputs) {
-  for (const std::string& input : files_in(TAUT_SOURCE_DIR "/tests/fuzz/corpus/mesh"))
-    inputs.push_back(input.substr(1));
+  for (const std::string& input : files_in(TAUT_SOURCE_DIR "/tests/fuzz/corpus/model"))
+    inputs.push_back(input);
   return inputs;
 }
 
@@ -158,34 +169,12 @@ method = { name = "direct", tolerance = 1e-4 }
           "trajectories.a = { scene = \"scenes/rope_swing.toml\", until = 0.5 }\n"};
 }
 
-void read_suite(std::string_view bytes) {
-  const fs::path file = fs::path(TAUT_SOURCE_DIR) / "tests/golden/fuzz/golden.toml";
-  try {
-    scenes::golden_suite_from(scenes::parse_document(file, bytes));
-  } catch (const scenes::BadScene&) {
-  }
-}
-
 /// Shipped scenes with plans.
 std::vector<std::string> planned() {
   std::vector<std::string> inputs;
   for (const std::string& input : files_in(TAUT_SOURCE_DIR "/scenes", ".toml"))
     if (input.find("\n[plan]") != input.npos) inputs.push_back(input);
   return inputs;
-}
-
-/// The plan goes into the text, comes out as it went in, and the rest of the text stays.
-void write_plan(std::string_view bytes) {
-  scenes::Plan plan;
-  plan.tolerance = "1mm";
-  plan.method = {"direct", {{"tolerance", 1e-4}}};
-  plan.particles = {{"rope", 7}};
-  try {
-    const std::string once = scenes::with_plan(bytes, plan);
-    EXPECT_EQ(scenes::with_plan(once, plan), once) << bytes;
-    scenes::parse_document("fuzz.toml", once);
-  } catch (const scenes::BadScene&) {
-  }
 }
 
 std::vector<std::string> pictures() {
@@ -197,46 +186,70 @@ std::vector<std::string> pictures() {
   return inputs;
 }
 
-/// The program's readers of foreign input, each in this process and from memory.
-struct Reader {
-  const char* name;
-  std::vector<std::string> (*inputs)();
-  void (*read)(std::string_view);
-};
-
-void PrintTo(const Reader& reader, std::ostream* out) {
-  *out << reader.name;
+std::vector<std::string> sets() {
+  std::vector<std::string> inputs;
+  for (const std::string& scene : files_in(TAUT_SOURCE_DIR "/tests/fuzz/corpus/scene"))
+    for (const char* set : {"duration=2", "method.tolerance=1e-4", "connectors.rope.particles=7",
+                            "connectors.rope={length=1}", "gravity=[0, -1, 0]"})
+      inputs.push_back(std::string(set) + '\n' + scene);
+  return inputs;
 }
 
-template <typename Read>
-void with_meant_errors(const Read& read) {
-  try {
-    read();
-  } catch (const scenes::BadAsset&) {
-  }
+std::vector<std::string> materials() {
+  return {"newmtl a\nKd 0.5 0.4 1\nPr 0.3\nPm 1\nd 1\n\nnewmtl b c\nmap_Kd -s 1 1 1 a b.png\n",
+          "newmtl a\r\nKd spectral x\r\nmap_Kd pictures\\red.png\r\nillum 2\r\nNs 96.0\r\n"};
 }
 
-const Reader kReaders[] = {
-    {"Scene", scenes, fuzz_scene},
-    {"Glb", glbs, [](std::string_view bytes) { fuzz_model("fuzz.glb", bytes); }},
-    {"Gltf", gltfs, [](std::string_view bytes) { fuzz_model("fuzz.gltf", bytes); }},
-    {"Obj", objs, [](std::string_view bytes) { fuzz_model("fuzz.obj", bytes); }},
-    {"PathCsv", paths, fuzz_path},
-    {"GoldenRecord", goldens,
-     [](std::string_view bytes) {
-       with_meant_errors([&] { golden::golden_from(std::string(bytes), "f"); });
-     }},
-    {"GoldenTrajectory", trajectories,
-     [](std::string_view bytes) {
-       with_meant_errors([&] { golden::trajectory_from(std::string(bytes), "f"); });
-     }},
-    {"GoldenSuite", suites, read_suite},
-    {"Plan", planned, write_plan},
-    {"Png", pictures, [](std::string_view bytes) {
-       with_meant_errors([&] {
-         picture::decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-       });
-     }}};
+/// And a small JPEG picture.
+std::vector<std::string> images() {
+  std::vector<std::string> inputs = pictures();
+  for (const std::string& input : files_in(TAUT_SOURCE_DIR "/tests/fuzz/corpus/image"))
+    inputs.push_back(input);
+  return inputs;
+}
+
+std::vector<std::string> words() {
+  return {"1-5,7", "0", "9-2", "320x180", "1x1", "0.5mm", "1px"};
+}
+
+std::vector<std::string> journals() {
+  return {"taut study 0123456789abcdef\nrope direct 1e-3\t0.1\t1e-9\tnan\t\nkey\t\n"};
+}
+
+std::vector<std::string> frames() {
+  return {"000001 0123456789abcdef fedcba9876543210\n000002 0000000000000001 0000000000000002\n"};
+}
+
+std::vector<std::string> times() {
+  return {R"({"methods": [{"method": "direct", "cpu_us_per_frame": 12.5},
+              {"method": "xpbd", "cpu_us_per_frame": null}]})"};
+}
+
+std::vector<std::string> tables() {
+  return {"method,error (m),time\ndirect,1e-3,\"5, about\"\nxpbd,\"a \"\"b\"\"\",-\n"};
+}
+
+/// The inputs of a reader, from which others are made.
+const std::map<std::string_view, std::vector<std::string> (*)()> kInputs = {
+    {"Scene", scenes},
+    {"Stage", stages},
+    {"Set", sets},
+    {"Glb", glbs},
+    {"Gltf", gltfs},
+    {"Obj", objs},
+    {"Materials", materials},
+    {"Image", images},
+    {"PathCsv", paths},
+    {"GoldenRecord", goldens},
+    {"GoldenTrajectory", trajectories},
+    {"GoldenSuite", suites},
+    {"Plan", planned},
+    {"Png", pictures},
+    {"Words", words},
+    {"Journal", journals},
+    {"Frames", frames},
+    {"Times", times},
+    {"Table", tables}};
 
 #ifdef TAUT_SANITIZED
 constexpr double kPatience = 50;  // s of CPU time for one input
@@ -255,7 +268,7 @@ class Fuzz : public testing::TestWithParam<Reader> {
  protected:
   /// The inputs themselves, and so many mutations of them.
   void run(long mutations, unsigned seed) {
-    const std::vector<std::string> inputs = GetParam().inputs();
+    const std::vector<std::string> inputs = kInputs.at(GetParam().name)();
     ASSERT_FALSE(inputs.empty());
     const double start = thread_seconds();
     for (const std::string& input : inputs) read(input);
@@ -299,8 +312,8 @@ std::string name_of(const testing::TestParamInfo<Reader>& info) {
   return info.param.name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Readers, Fuzz, testing::ValuesIn(kReaders), name_of);
-INSTANTIATE_TEST_SUITE_P(Long, LongFuzz, testing::ValuesIn(kReaders), name_of);
+INSTANTIATE_TEST_SUITE_P(Readers, Fuzz, testing::ValuesIn(readers()), name_of);
+INSTANTIATE_TEST_SUITE_P(Long, LongFuzz, testing::ValuesIn(readers()), name_of);
 
 }  // namespace
 }  // namespace taut
