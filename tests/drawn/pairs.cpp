@@ -196,13 +196,22 @@ class Pair : Pieces {
           "}}\nto = {{ body = \"earring\", point = {} }}",
           text(Vec3(-length, 0, 0)), text(Vec3(0, 0.1 * length, 0)));
     }
+    const bool acts = has(Feature::pin) || has(Feature::cut);
+    const std::string rope = acts && has(Feature::winch) ? "other" : "rope";  // with no winch
+    if (rope == "other") {
+      line(
+          "\n[connectors.other]\nlength = {}\nmass = 0.1\nparticles = 5\nfrom = {{ fixed = {} "
+          "}}\nto "
+          "= {{ free = true }}\nstart = {{ direction = {} }}",
+          length, text(Vec3(-3 * length, 0, 0)), text(along_));
+    }
     if (has(Feature::pin)) {
-      line("\n[[pins]]\nconnector = \"rope\"\nat = {}\nfrom = {}\nuntil = {}",
+      line("\n[[pins]]\nconnector = \"{}\"\nat = {}\nfrom = {}\nuntil = {}", rope,
            length * dice_.between(0.3, 1), dice_.between(0, 0.2), dice_.between(0.21, 0.5));
     }
     if (has(Feature::cut)) {
-      line("\n[[cuts]]\nconnector = \"rope\"\nat = {}\nt = {}", length * dice_.between(0.1, 0.9),
-           dice_.between(0, 0.4));
+      line("\n[[cuts]]\nconnector = \"{}\"\nat = {}\nt = {}", rope,
+           length * dice_.between(0.1, 0.9), dice_.between(0, 0.4));
     }
   }
 

@@ -166,7 +166,7 @@ Tally check_pairs(unsigned first, unsigned count) {
   return tally;
 }
 
-/// Pairs that some method follows and none of the scenes had.
+/// Pairs that no scene had that was taken: a method that follows both is rare for these.
 unsigned missed(const Tally& tally) {
   unsigned count = 0;
   for (std::size_t a = 0; a < kFeatureCount; ++a) {
@@ -191,7 +191,7 @@ TEST(LongDrawnPairs, TenThousandGoOnAndStayFinite) {
   const char* count = std::getenv("TAUT_SCENES");
   const Tally tally = check_pairs(first ? static_cast<unsigned>(std::atoi(first)) : 0,
                                   count ? static_cast<unsigned>(std::atoi(count)) : 10'000);
-  std::cout << missed(tally) << " pairs not drawn\n";
+  EXPECT_LE(missed(tally), pair_count() / 10);
 }
 
 }  // namespace
