@@ -58,6 +58,7 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
       const Folder folder;
       prepare(folder);
       const Trial trial = run_with({.in_children = in_children}, subject_, folder.path());
+      EXPECT_EQ(trial.outcome.code, 0) << "without a fault: " << trial.outcome.messages;
       for (const How how : {How::fail, How::fail_from_there_on, How::kill}) {
         for (int kind = 0; kind < kKinds; ++kind) {
           // How other programs take failures is theirs; that they can fail is enough.
