@@ -96,6 +96,10 @@ struct FramesMade {
   double mean_exposures() const { return drawn ? exposures / double(drawn) : 0; }
 };
 
+/// The same as the clip.json of a part tells it; nothing where it is cut short or tells it
+/// otherwise.
+std::optional<FramesMade> frames_made(const std::string& record);
+
 /// The contents of clip.json, those on a video and a profile aside.
 nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made);
 

@@ -29,22 +29,33 @@ std::vector<DonePart> done_parts(const ClipJob& job, const std::vector<program::
     const std::filesystem::path record = part.path / kRecord;
     std::error_code error;
     if (!std::filesystem::exists(record, error)) continue;  // it is not done
-    const auto json = nlohmann::json::parse(scenes::read_bytes(record), nullptr, false);
-    if (!json.is_object()) continue;
-    DonePart done{part.path, film::FrameFolder::whole_frames(part.path, job.size()), 0, {}};
-    done.made.renderer = json.value("renderer", "");
-    done.made.drawn = json.value("frames_drawn", std::size_t(0));
-    const double drawn = double(done.made.drawn);
-    done.made.exposures = json.value("mean_exposures", 0.0) * drawn;
-    done.made.drawing =
-        json.value(nlohmann::json::json_pointer("/seconds_per_frame/rendering"), 0.0) * drawn;
-    done.shared = job.fingerprint(done.made.renderer);
+    const std::optional<FramesMade> made = frames_made(scenes::read_bytes(record));
+    if (!made) continue;
+    DonePart done{part.path, film::FrameFolder::whole_frames(part.path, job.size()), 0, *made};
+    done.shared = job.fingerprint(made->renderer);
     parts.push_back(std::move(done));
   }
   return parts;
 }
 
 }  // namespace
+
+std::optional<FramesMade> frames_made(const std::string& record) {
+  const auto json = nlohmann::json::parse(record, nullptr, false);
+  if (!json.is_object()) return {};
+  FramesMade made;
+  try {
+    made.renderer = json.value("renderer", "");
+    made.drawn = json.value("frames_drawn", std::size_t(0));
+    const double drawn = double(made.drawn);
+    made.exposures = json.value("mean_exposures", 0.0) * drawn;
+    made.drawing =
+        json.value(nlohmann::json::json_pointer("/seconds_per_frame/rendering"), 0.0) * drawn;
+  } catch (const nlohmann::json::exception&) {  // a key is of another type
+    return {};
+  }
+  return made;
+}
 
 int merge_clip(const ClipJob& job, const program::Common& common) {
   const std::vector<program::PartPath> found = program::found_parts(job.out, kParts);

@@ -220,6 +220,11 @@ std::vector<std::string> frames() {
   return {"000001 0123456789abcdef fedcba9876543210\n000002 0000000000000001 0000000000000002\n"};
 }
 
+std::vector<std::string> records() {
+  return {R"({"renderer": "llvmpipe", "frames_drawn": 3, "mean_exposures": 4.5,
+              "seconds_per_frame": {"rendering": 0.01}})"};
+}
+
 std::vector<std::string> times() {
   return {R"({"methods": [{"method": "direct", "cpu_us_per_frame": 12.5},
               {"method": "xpbd", "cpu_us_per_frame": null}]})"};
@@ -248,6 +253,7 @@ const std::map<std::string_view, std::vector<std::string> (*)()> kInputs = {
     {"Words", words},
     {"Journal", journals},
     {"Frames", frames},
+    {"Record", records},
     {"Times", times},
     {"Table", tables}};
 

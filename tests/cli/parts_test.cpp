@@ -136,6 +136,18 @@ TEST_F(RenderParts, OfAnotherClipAreNotMerged) {
   }
 }
 
+TEST_F(RenderParts, WhoseRecordIsBrokenAreNotDone) {
+  folder_.write("swing.toml", swing_scene(0.08));
+  for (const char* part : {"1/2", "2/2"}) must({"render", "swing.toml", "--part", part});
+  const std::string record = "out/swing/parts/frames.1-of-2/clip.json";
+  for (const char* broken : {"{\"renderer\": 5}", "{\"frames_drawn\": \"x\"}", "[", ""}) {
+    folder_.write(record, broken);
+    const ProgramResult merged = run({"render", "swing.toml", "--merge", "-q"});
+    EXPECT_EQ(merged.code, 2) << broken << ": " << merged.messages;
+    EXPECT_NE(merged.messages.find("part 1 of 2"), std::string::npos) << merged.messages;
+  }
+}
+
 TEST_F(RenderParts, OfStabilityMapsMakeTheBytesOfOneRun) {
   folder_.write("swing.toml", kShortSwing);
   const Words maps{"stability",       "swing.toml", "--quick", "--methods",
@@ -213,34 +225,43 @@ TEST_F(RenderParts, SayWhatTheyDidAsTheSchemaHasIt) {
   EXPECT_EQ(nlohmann::json::parse(part.output).at("pieces"), 2);
 }
 
-/// `make` with the installed rules, killed with all its parts in the middle, and again.
+/// `make` with the installed rules, killed with all its parts in the middle, and again. A part that
+/// is to be killed does not end by itself, so that it makes no difference how fast the machine is.
 TEST_F(RenderParts, OfMakeGoOnAfterAKill) {
   if (run_taut({"--version"}).code != 0 || Child({"make", "--version"}, "/").wait().code != 0) {
     GTEST_SKIP() << "make is not installed";
   }
   folder_.write("swing.toml", swing_scene(0.4));
   must({"render", "swing.toml", "--out", "whole"});
+  folder_.write("taut.sh", "\"" TAUT_PROGRAM
+                           "\" \"$@\" || exit\n"
+                           "case \" $* \" in *\" --part $(cat endless) \"*) sleep 1000;; esac\n");
   const Words make{"make",
                    "-f",
                    TAUT_SOURCE_DIR "/render/cluster/parts.mk",
                    "-j",
                    "2",
                    "N=4",
-                   "TAUT=" TAUT_PROGRAM,
+                   "TAUT=sh taut.sh",
                    "COMMAND=render swing.toml --out parts"};
   const auto own_group = [] { setpgid(0, 0); };
-  for (int kills = 0; kills < 2; ++kills) {
+  for (const std::string part : {"1", "3"}) {
+    folder_.write("endless", part + "/4");
     Child child(make, folder_.path(), own_group);
-    const fs::path journal =
-        folder_.path() / "parts/parts" / (kills ? "frames.3-of-4" : "frames.1-of-4") / "journal";
+    const fs::path journal = folder_.path() / "parts/parts" / ("frames." + part + "-of-4/journal");
     std::error_code none;
-    for (int i = 0; i < 10000 && !(fs::exists(journal, none) && fs::file_size(journal, none) > 0);
-         ++i) {
+    constexpr int kPatience = 60'000;  // ms
+    const auto is_written = [&] {
+      return fs::exists(journal, none) && fs::file_size(journal, none) > 0;
+    };
+    for (int i = 0; i < kPatience && !is_written(); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
+    EXPECT_TRUE(is_written());
     kill(-child.id(), SIGKILL);
     EXPECT_EQ(child.wait().code, 128 + SIGKILL);
   }
+  folder_.write("endless", "none");
   EXPECT_FALSE(fs::exists(folder_.path() / "parts/swing.mp4"));
   const ProgramResult last = Child(make, folder_.path()).wait();
   ASSERT_EQ(last.code, 0) << last.messages;

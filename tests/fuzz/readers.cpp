@@ -11,6 +11,7 @@
 #include <string>
 
 #include "render/chart/table.h"
+#include "render/clip/clip_job.h"
 #include "render/clip/compare_methods.h"
 #include "render/film/frame_folder.h"
 #include "render/golden/golden.h"
@@ -173,6 +174,10 @@ void read_frames(std::string_view bytes) {
   require(film::FrameFolder::whole_frames(folder(), {4, 4}).empty());
 }
 
+void read_record(std::string_view bytes) {
+  clips::frames_made(std::string(bytes));
+}
+
 void read_times(std::string_view bytes) {
   try {
     clips::cpu_times(written("compare.json", bytes));
@@ -221,6 +226,7 @@ constexpr Reader kReaders[] = {
     {"Words", read_words},
     {"Journal", read_journal},
     {"Frames", read_frames},
+    {"Record", read_record},
     {"Times", read_times},
     {"Table", read_table}};
 
