@@ -16,8 +16,9 @@ constexpr double kLongest = 1.0 / 480;    // s: events come in order, and none i
 constexpr double kSlowest = 1e-4;         // m/s, of bounces: they rise by half a nanometre
 constexpr double kLocated = 1e-14;        // s
 constexpr int kTrials = 60;               // to locate an event
-constexpr int kMost = 3000;               // events in so short a time: they follow no more
 constexpr double kBrief = 0.01;           // s
+constexpr int kMostEvents = 3000;         // in so short a time: they follow no more
+constexpr int kMostTried = 50'000;        // tried in it: a rope that is held stretched, for one
 
 class EventDriven final : public Method {
  public:
@@ -30,6 +31,7 @@ class EventDriven final : public Method {
  private:
   void prepare(const World& world);
   void step(double until);
+  void count(int& number, int most, const char* what);
   void locate(double h);
   double attempt(double h);
   std::size_t first_event(double h, double& share) const;
@@ -44,8 +46,8 @@ class EventDriven final : public Method {
   std::uint64_t topology_ = 0;
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
   double time_ = 0, step_ = kStepAfterEvent;
-  double brief_ = 0;  // s, from which on events are counted
-  int located_ = 0;
+  double brief_ = 0;  // s, from which on events and steps are counted
+  int located_ = 0, tried_ = 0;
   reference::State state_, next_;
   std::vector<double> values_, next_values_;  // of the events' functions, here and after the step
 };
@@ -89,9 +91,19 @@ void EventDriven::advance(World& world, double until) {
   motion_.store(state_, until, world);
 }
 
+/// Counts another one, and gives up where there are too many in a brief time.
+void EventDriven::count(int& number, int most, const char* what) {
+  if (time_ > brief_ + kBrief) {
+    brief_ = time_;
+    located_ = tried_ = 0;
+  }
+  if (++number > most) give_up(0, what);
+}
+
 /// One step, not beyond `until`.
 void EventDriven::step(double until) {
   check_stop();
+  count(tried_, kMostTried, "the motion is not smooth");
   const double wanted = std::min(step_, kLongest);
   const bool last = time_ + wanted * (1 + 1e-9) >= until;
   double taken = last ? until - time_ : wanted, end = time_;
@@ -170,11 +182,7 @@ void EventDriven::locate(double h) {
   attempt(after);
   if (!reference::is_finite(next_)) give_up(0, "not finite");
   time_ += after;
-  if (time_ > brief_ + kBrief) {
-    brief_ = time_;
-    located_ = 0;
-  }
-  if (++located_ > kMost) give_up(0, "too many events");
+  count(located_, kMostEvents, "too many events");
   state_.swap(next_);
   ++counters_.steps;
   motion_.resolve(time_, state_);
