@@ -18,7 +18,7 @@ constexpr double kLocated = 1e-14;        // s
 constexpr int kTrials = 60;               // to locate an event
 constexpr double kBrief = 0.01;           // s
 constexpr int kMostEvents = 3000;         // in so short a time: they follow no more
-constexpr int kMostTried = 50'000;        // tried in it: a rope that is held stretched, for one
+constexpr int kMostTried = 200'000;       // steps tried in it without any: of a rope held stretched
 
 class EventDriven final : public Method {
  public:
@@ -183,6 +183,7 @@ void EventDriven::locate(double h) {
   if (!reference::is_finite(next_)) give_up(0, "not finite");
   time_ += after;
   count(located_, kMostEvents, "too many events");
+  tried_ = 0;
   state_.swap(next_);
   ++counters_.steps;
   motion_.resolve(time_, state_);
