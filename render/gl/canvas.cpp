@@ -118,7 +118,8 @@ void Canvas::draw_backdrop(int pictures, const std::function<void(int)>& draw,
 
 void Canvas::keep(std::uint64_t backdrop) {
   if (last_ == backdrop) {
-    if (!backdrop_) backdrop_.emplace(Samples(gl_, width_, height_, samples_), picture::Picture());
+    if (!backdrop_)
+      backdrop_.emplace(Backdrop{Samples(gl_, width_, height_, samples_), picture::Picture()});
     kept_ = 0;
     on_backdrop_ = false;
     backdrop_->picture = finish();
@@ -156,7 +157,7 @@ void Canvas::make_room(const picture::Rect& part, std::size_t starts) {
     const int width = enough(exposure_ ? exposure_->width : 0, part.width, width_);
     const int height = enough(exposure_ ? exposure_->height : 0, part.height, height_);
     exposure_.reset();
-    exposure_.emplace(width, height, std::vector<Samples>(), Light(gl_, width, height));
+    exposure_.emplace(Exposure{width, height, std::vector<Samples>(), Light(gl_, width, height)});
   }
   while (exposure_->starts.size() < starts)
     exposure_->starts.emplace_back(gl_, exposure_->width, exposure_->height, samples_);

@@ -143,7 +143,7 @@ nlohmann::ordered_json settings_json(const Settings& settings) {
     if (number && std::abs(*number) < 1e15 && *number == std::floor(*number)) {
       object[name] = static_cast<std::int64_t>(*number);
     } else {
-      std::visit([&](const auto& v) { object[name] = v; }, value);
+      std::visit([&, &key = name](const auto& v) { object[key] = v; }, value);
     }
   }
   return object;

@@ -107,14 +107,14 @@ std::vector<Contender> chosen_contenders(const StudyOptions& options) {
 
 std::vector<Contender> contenders_on(const StudyOptions& options, const World& world) {
   std::vector<Contender> all = chosen_contenders(options);
-  const auto unable = std::ranges::stable_partition(
-      all, [&](const Contender& one) { return follows(*one.method, world); });
-  if (!options.methods.empty() && !unable.empty()) {
-    const Contender& first = unable.front();
+  const auto unable = std::stable_partition(
+      all.begin(), all.end(), [&](const Contender& one) { return follows(*one.method, world); });
+  if (!options.methods.empty() && unable != all.end()) {
+    const Contender& first = *unable;
     throw program::Misuse(fmt::format("--methods: {} {}, in {}", first.label,
                                       refusal(*first.method, world), options.scene));
   }
-  all.erase(unable.begin(), unable.end());
+  all.erase(unable, all.end());
   if (all.empty())
     throw program::Misuse(fmt::format("{}: no method follows all of it", options.scene));
   return all;

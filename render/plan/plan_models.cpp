@@ -251,7 +251,7 @@ std::vector<MethodChoice> all_candidates(const World& world, int fps, double lon
     return step_of(candidate.settings) > longest_step;
   });
   // The one that is likely to be chosen first: what is dearer than its best is given up early.
-  std::ranges::stable_partition(all, [](const MethodChoice& candidate) {
+  std::stable_partition(all.begin(), all.end(), [](const MethodChoice& candidate) {
     return candidate.name == scenes::default_method().name;
   });
   return all;

@@ -57,7 +57,6 @@ class GltfMotion {
   std::map<std::size_t, std::vector<std::int16_t>> rotations_;
   std::set<std::size_t> joints_;      // whose places are kept
   std::optional<std::size_t> start_;  // the accessor of a list of one key
-  std::size_t times_ = 0;             // the accessor of all
   GltfFile::Json channels_ = GltfFile::Json::array(), samplers_ = GltfFile::Json::array();
 };
 

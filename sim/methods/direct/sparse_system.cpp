@@ -42,7 +42,7 @@ void SparseSystem::order() {
     }
   }
   std::ranges::sort(edges);
-  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   std::vector<std::uint32_t> first(count + 1, 0);
   for (const auto& edge : edges) ++first[edge.first + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());

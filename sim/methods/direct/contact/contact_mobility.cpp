@@ -78,7 +78,8 @@ void ContactStep::respond_at(std::size_t first, std::size_t count, std::span<Vec
 void ContactStep::relax_links(std::span<Vec3> velocity) {
   links_.relax(mechanism_.inverse_mass(), bare_, velocity, creep_, [&](std::uint32_t point) {
     if (mechanism_.inverse_mass()[point] == 0) return;
-    const auto [first, last] = std::ranges::equal_range(touches_, point, {}, &BeadTouch::point);
+    const auto first = std::ranges::lower_bound(touches_, point, {}, &BeadTouch::point);
+    const auto last = std::ranges::upper_bound(touches_, point, {}, &BeadTouch::point);
     if (first == last) {
       velocity[point] = bare_[point];
       return;
