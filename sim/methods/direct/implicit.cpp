@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "sim/material/forces.h"
 #include "sim/measure/measure.h"
@@ -22,8 +20,8 @@ constexpr double kOrderOfHalves = 2;
 /// A step of h seconds may err by kErrorRate h tolerances, within these bounds: errors of short
 /// steps come from waves and changes, and die away.
 constexpr double kErrorRate = 0.4, kLeastShare = 1e-3, kMostShare = 0.01;
-/// Errors of velocities count by the way that they lead in so many steps: a wave that steps hardly
-/// resolve leads no farther.
+/// The error of a velocity counts as the distance that it covers in so many steps: a wave that
+/// steps hardly resolve goes no farther.
 constexpr double kWaves = 10;
 /// The share of the tolerance by which a step may err in which contacts or strings change.
 constexpr double kChangeShare = 0.1;
@@ -235,13 +233,6 @@ void Implicit::follow(const World& world, double until) {
     }
     end_.time = h == left ? until : now_.time + h;
     step_.accept();
-    if (getenv("DBG") && end_.time > 0.334 && end_.time < 0.3385)
-      fprintf(
-          stderr,
-          "[%g] to %.9f h %.3e error %.2e limit %.2e pattern %d jumped %d contacts %zu -> %zu\n",
-          options_.tolerance, end_.time, h, error, allowed_error(h),
-          int(pattern == whole_.pattern() && pattern == middle_.pattern()), int(step_.jumped()),
-          now_.contacts.size(), end_.contacts.size());
     std::swap(from_, now_);
     std::swap(now_, end_);
     within = longest;
