@@ -54,8 +54,9 @@ Complementarity complementarity(double p, double w, double kappa) {
     if (p > w) return {w, 0, 1};
     return {p, 1, 0};
   }
-  const double root = std::sqrt(p * p + w * w + 2 * kappa);
-  return {p + w - root, 1 - p / root, 1 - w / root};
+  const double root = std::sqrt(p * p + w * w + 2 * kappa), sum = p + w;
+  const double value = sum > 0 ? 2 * (p * w - kappa) / (sum + root) : sum - root;
+  return {value, 1 - p / root, 1 - w / root};
 }
 
 }  // namespace
@@ -329,8 +330,7 @@ void ImplicitStep::scale(const Problem& problem) {
     }
     if (of.other != kHeld) ease += of_body(of.other, meetings_[c].other_arm);
     for (std::size_t i = 0; i < 3; ++i) {
-      column_scale_[first_contact_ + 3 * c + i] =
-          weight_ * problem.inertia / std::max(ease, 1e-300);
+      column_scale_[first_contact_ + 3 * c + i] = problem.inertia / std::max(ease, 1e-300);
     }
   }
 }
@@ -745,6 +745,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
       continue;
     }
     fastest = most_by;
+    if (i == 1 && kappa < 0) first_way_ = most_by;
     part = fastest > longest ? longest / fastest : 1;
     way_.resize(unknowns_);
     for (std::size_t u = 0; u < unknowns_; ++u) {
@@ -757,32 +758,70 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   return false;
 }
 
-/// Newton's method from the present unknowns; where that fails, along the central path. What a
-/// force weighs against a velocity in the conditions of contact decides whether they converge, but
-/// not on what: other weights are tried.
+/// Whether of each one-sided condition p w = kappa one factor is much larger than the other.
+bool ImplicitStep::is_decided(double kappa) const {
+  const auto decided = [&](double p, double w) {
+    const double larger = std::max(std::abs(p), std::abs(w));
+    return larger * larger > 1e4 * kappa;
+  };
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    if (!links_[k].pulls || on_[k] == 0) continue;
+    const std::size_t at = first_link_ + k;
+    if (!decided(unknown_[at] / column_scale_[at], -mechanism_.rate()[links_[k].row] - snap_[k]))
+      return false;
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const std::size_t at = first_contact_ + 3 * c;
+    const Vec3& n = meetings_[c].normal;
+    const Vec3 v =
+        touches_.passing(mechanism_, contacts_[c].candidate, meetings_[c], state_.data());
+    if (!decided(n.dot(vec(&unknown_[at])) / column_scale_[at], n.dot(v) - bounce_[c]))
+      return false;
+  }
+  return true;
+}
+
+/// Newton's method along the central path p w = kappa, from `kappa` (m2/s2) down to where each
+/// condition is decided. What stays undecided to the end is zero on both sides.
+bool ImplicitStep::follow_central_path(const Problem& problem, double kappa, int most,
+                                       double enough) {
+  constexpr double kDown = 1e-3;
+  constexpr int kMostAtEnd = 5;
+  for (;; kappa *= kDown) {
+    if (!iterate(problem, kappa, most, std::max(1e-2 * std::sqrt(kappa), enough))) return false;
+    const bool last = kappa <= enough * enough;
+    if (!last && !is_decided(kappa)) continue;
+    const std::vector<double> central = unknown_;
+    if (iterate(problem, -1, kMostAtEnd, enough)) return true;
+    unknown_ = central;
+    if (last) return true;
+  }
+}
+
+/// Newton's method from the present unknowns; where that fails, along the central path: from as far
+/// as the first correction led and forces act, then from as far as anything moves. Contacts that
+/// share a load have more than one solution; the path leads between them.
 bool ImplicitStep::solve(const Problem& problem) {
+  constexpr int kMost = 15, kMostWarm = 20, kMostCold = 40;
   const double enough = (problem.forces ? 1e-10 : 1e-12) * speed_;
+  const std::vector<double> start = unknown_;
+  bool found = iterate(problem, -1, kMost, enough);
   const bool one_sided = !contacts_.empty() ||
                          std::ranges::any_of(links_, [](const Link& link) { return link.pulls; });
-  const std::vector<double> start = unknown_;
-  bool found = false;
-  for (const double weight : {1.0, 10.0, 0.2}) {
-    weight_ = weight;
+  if (!found && one_sided) {
     unknown_ = start;
-    found = iterate(problem, -1, 15, enough);
-    if (found || !one_sided) break;
-    unknown_ = start;
-    found = true;
-    const double square = speed_ * speed_;
-    for (const double kappa : {1e-2, 1e-4, 1e-7, 1e-10}) {
-      found =
-          iterate(problem, kappa * square, 20, std::max(1e-2 * std::sqrt(kappa) * speed_, enough));
-      if (!found) break;
+    double warm = first_way_;
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      const std::size_t at = first_contact_ + 3 * c;
+      warm = std::max(warm, vec(&unknown_[at]).norm() / column_scale_[at]);
     }
-    found = found && iterate(problem, -1, 15, enough);
-    if (found) break;
+    const double cold = 0.1 * speed_;
+    found = follow_central_path(problem, std::pow(std::min(warm, cold), 2), kMostWarm, enough);
+    if (!found) {
+      unknown_ = start;
+      found = follow_central_path(problem, cold * cold, kMostCold, enough);
+    }
   }
-  weight_ = 1;
   if (!found) return false;
   place_unknowns(problem);
   return true;
@@ -885,6 +924,61 @@ bool ImplicitStep::project_places(StepState& to) {
     placed = worst < 1e-7 * shortest_ && worst * worst / shortest_ < exact_ && i > 0;
   }
   return placed;
+}
+
+/// Makes velocities follow links and what presses at surfaces, once places are projected: stages
+/// were solved at other places, and extrapolation knows no conditions.
+bool ImplicitStep::project_velocities(StepState& to) {
+  mechanism_.place_and_measure(to.time, to.state.data());
+  double worst = 0;
+  std::vector<double> rate(links_.size(), 0.0);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Link& link = links_[k];
+    if (link.soft || on_[k] == 0) continue;
+    const bool may_slacken = link.pulls && (jumped_ || to.tension[k] <= 0);
+    if (may_slacken && mechanism_.rate()[link.row] <= 0) {
+      on_[k] = 0;
+      continue;
+    }
+    rate[k] = mechanism_.rate()[link.row];
+    worst = std::max(worst, std::abs(rate[k]));
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    const Meeting at = touches_.meet(mechanism_, contact.candidate, to.state.data());
+    const Vec3 v = touches_.passing(mechanism_, contact.candidate, at, to.state.data());
+    const double speed = at.normal.dot(v);
+    off_[c] = speed * at.normal;
+    if (!contact.presses || (jumped_ && speed >= 0)) {
+      law_[c] = kFree;
+      continue;
+    }
+    if (jumped_) law_[c] = kAtSurface;
+    if (law_[c] == kAtAnchor) off_[c] = v;
+    worst = std::max(worst, off_[c].norm());
+  }
+  if (worst <= 1e-13 * speed_) return true;
+  Problem problem{.law = Problem::Law::projection, .time = to.time};
+  start_at(to);
+  std::ranges::fill(unknown_, 0.0);
+  std::ranges::fill(wanted_, 0.0);
+  place_unknowns(problem);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Link& link = links_[k];
+    violation_[k] = rate[k] - held_rate(link);
+  }
+  reuses_ = false;
+  if (!iterate(problem, -1, 1, 1e300)) return false;
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    vec(&to.state[mechanism_.velocity(p)]) += vec(&unknown_[node_[p]]);
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    vec(&to.state[mechanism_.twist(b)]) += vec(&unknown_[body_[b]]);
+    vec(&to.state[mechanism_.twist(b) + 3]) += vec(&unknown_[body_[b] + 3]);
+  }
+  mechanism_.place_and_measure(to.time, to.state.data());
+  return true;
 }
 
 /// Stages and jumps start from the places of a state.
@@ -1257,11 +1351,16 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
                                    double touching) {
   std::vector<std::uint32_t> reverses, leaving;
   double first = std::numeric_limits<double>::infinity();
-  // The gap was `open` and is `deep` inside.
-  const auto note = [&](double open, double deep) {
+  // The gap was `open`, grew at `rate`, and is `deep` inside: a parabola between.
+  const auto note = [&](double open, double rate, double deep) {
     if (deep <= touching) return;
-    first = std::min(first,
-                     h * std::clamp(std::max(open, 0.0) / (std::max(open, 0.0) + deep), 0.0, 1.0));
+    if (open <= 0) {
+      first = 0;
+      return;
+    }
+    const double bends = -(deep + open + rate * h) / (h * h);
+    const double root = std::sqrt(std::max(rate * rate - 4 * bends * open, 0.0));
+    first = std::min(first, std::clamp(2 * open / std::max(root - rate, 1e-300), 0.0, h));
   };
   std::size_t known = 0;
   for (std::uint32_t i = 0; i < touches_.candidates().size(); ++i) {
@@ -1275,8 +1374,9 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
     if (!touches_.is_distinct(mechanism_, i, to.state.data())) continue;
     touches_.place(*world_, from.time);
     const Meeting was = touches_.meet(mechanism_, i, from.state.data());
+    const Vec3 passes = touches_.passing(mechanism_, i, was, from.state.data());
     touches_.place(*world_, to.time);
-    note(was.gap, -now.gap);
+    note(was.gap, was.normal.dot(passes), -now.gap);
   }
   for (const std::uint32_t i : leaving) {
     const double share = first_dip(from, to, h, touching, i);
@@ -1307,13 +1407,15 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
   if (!reverses.empty()) reversing_ = std::move(reverses);
   for (std::size_t k = 0; k < links_.size(); ++k) {
     if (!links_[k].pulls || on_[k] != 0) continue;
-    const auto length = [&](const StepState& at) {
-      return (vec(&at.state[mechanism_.position(links_[k].b)]) -
-              vec(&at.state[mechanism_.position(links_[k].a)]))
-          .norm();
+    const auto apart = [&](const StepState& at, std::size_t (Mechanism::*of)(std::size_t) const) {
+      return Vec3(vec(&at.state[(mechanism_.*of)(links_[k].b)]) -
+                  vec(&at.state[(mechanism_.*of)(links_[k].a)]));
     };
     const double rest = mechanism_.rows()[links_[k].row].rest;
-    note(rest - length(from), length(to) - rest);
+    const Vec3 before = apart(from, &Mechanism::position);
+    const double length = before.norm();
+    const double rate = before.dot(apart(from, &Mechanism::velocity)) / std::max(length, 1e-300);
+    note(rest - length, -rate, apart(to, &Mechanism::position).norm() - rest);
   }
   return first;
 }
@@ -1458,7 +1560,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     lay_out(to);
     if (!arrives) {
       hold_contacts();
-      if (!project(to, touching)) return false;
+      if (!project(to, touching) || !project_velocities(to)) return false;
       break;
     }
     jumped_ = true;
@@ -1468,7 +1570,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     if (!jump(to, before)) return false;
     to.rate.clear();
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      contacts_[c].presses = presses(c);
+      contacts_[c].presses = presses(c) && bounce_[c] == 0;
     }
     hold_contacts();
     if (!project(to, touching)) return false;

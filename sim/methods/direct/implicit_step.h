@@ -150,9 +150,12 @@ class ImplicitStep {
   void solve_with_twists();
   bool iterate(const Problem& problem, double kappa, int most, double enough);
   void guess(double time, const std::vector<double>& rate);
+  bool is_decided(double kappa) const;
+  bool follow_central_path(const Problem& problem, double kappa, int most, double enough);
   bool solve(const Problem& problem);
   bool project(StepState& to, double touching);
   bool project_places(StepState& to);
+  bool project_velocities(StepState& to);
   void start_at(const StepState& from);
   Vec3 direction(const Link& link) const;
   double held_rate(const Link& link) const;
@@ -202,9 +205,9 @@ class ImplicitStep {
   std::vector<double> state_;         // of the present unknowns
   std::vector<Vec3> force_;           // N, per point
   std::vector<double> violation_;     // m, per link in a projection
-  double weight_ = 1;                 // of forces at contacts, in their conditions
   double speed_ = 1;                  // m/s, typical
   double length_ = 1, shortest_ = 1;  // m: of the longest connector, of the shortest link
+  double first_way_ = 0;              // m/s, of Newton's first correction
   double exact_ = 0;                  // m: roundings of places
   bool jumped_ = false;
   double arrival_ = 0, lowest_bounce_ = 0, lowest_slip_ = 0;
