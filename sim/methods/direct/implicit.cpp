@@ -15,7 +15,9 @@ namespace {
 using PlaceAt = Eigen::Map<const Vec3>;
 
 constexpr double kShortestImplicitStep = 1e-12;  // s
-constexpr double kShortestSolved = 1e-8;  // s, below which a step without a solution stays so
+constexpr double kShortestJam = 1e-6;            // s
+constexpr double kLeastFriction = 0.2;           // of all of it, with which a jam is tried
+constexpr double kFades = 8;  // steps so many times as long say that no jam is left
 constexpr double kOrderOfHalves = 2;
 /// A step of h seconds may err by kErrorRate h tolerances, within these bounds: errors of short
 /// steps come from waves and changes, and die away.
@@ -28,6 +30,12 @@ constexpr double kChangeShare = 0.1;
 /// The power of StepOptions::finer by which the error of a step falls, so that the error of the
 /// whole falls enough to tell it by the difference.
 constexpr double kFinerPower = 5;
+
+/// s, to the next multiple of a step: so fixed steps end at the same times whatever is asked for.
+double to_multiple(double step, double time) {
+  constexpr double kSliver = 1e-6;
+  return (std::floor(time / step + kSliver) + 1) * step - time;
+}
 
 }  // namespace
 
@@ -42,7 +50,10 @@ void Implicit::rebuild(const World& world) {
       if (rest > 0) shortest_ = std::min(shortest_, rest);
     }
   }
-  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
+  // In a fixed step nothing falls farther.
+  const double fall = world.gravity.norm() * options_.step * options_.step;
+  const double tolerance =
+      options_.step > 0 ? std::min(options_.tolerance, fall) : options_.tolerance;
   touching_ = std::clamp(1e-3 * tolerance, 1e-12 * length_, 1e-5 * length_);
   step_.set_lowest_speeds(std::sqrt(2 * world.gravity.norm() * 0.1 * tolerance),
                           touching_ / velocity_time_of(length_));
@@ -126,7 +137,12 @@ void Implicit::advance_strings(World& world, double until) {
 
 /// The state at a time (s) within the last step. Where no step leads there, as far as they do.
 const StepState& Implicit::at(double time) {
-  if (now_.time <= time) return now_;
+  if (now_.time == time) return now_;
+  if (now_.time - time < kShortestImplicitStep) {
+    within_ = now_;
+    within_.time = time;
+    return within_;
+  }
   double longest = (time - from_.time) / 2;
   within_ = from_;
   while (within_.time < time) {
@@ -148,6 +164,7 @@ const StepState& Implicit::at(double time) {
 void Implicit::follow(const World& world, double until) {
   brief_ = now_.time;
   short_ = 0;
+  jam_ = std::max(jam_, kShortestJam);
   const bool fixed = options_.step > 0;
   if (next_ == 0) {
     next_ =
@@ -159,12 +176,9 @@ void Implicit::follow(const World& world, double until) {
     check_stop();
     counters_.solves = step_.factorisations();
     const double left = until - now_.time;
-    if (left < kShortestImplicitStep) {
-      now_.time = until;
-      break;
-    }
+    if (left < kShortestImplicitStep) break;
     double h = std::min({next_, longest, within});
-    if (fixed && within >= next_) h = left / std::ceil(left / h * (1 - 1e-9));
+    if (fixed) h = std::min(h, to_multiple(options_.step, now_.time));
     if (h < kShortestImplicitStep) give_up(world);
     ++counters_.steps;
     const auto refuse = [&](double shorter) {
@@ -172,8 +186,12 @@ void Implicit::follow(const World& world, double until) {
       next_ = shorter;
     };
     const auto refuse_unsolved = [&] {
-      if (h < kShortestSolved) give_up(world);
-      refuse(h / 4);
+      if (h > jam_) return refuse(h / 4);
+      // Shorter steps have no solution either: this one goes with less friction.
+      if (friction_ == 0) give_up(world);
+      friction_ = friction_ > kLeastFriction ? friction_ / 2 : 0;
+      step_.set_friction_share(friction_);
+      refuse(h);
     };
     // The two halves.
     ImplicitStep::Result result = step_.step(now_, h / 2, touching_, true, middle_);
@@ -231,11 +249,20 @@ void Implicit::follow(const World& world, double until) {
       refuse_unsolved();
       continue;
     }
-    end_.time = h == left ? until : now_.time + h;
+    end_.time = now_.time + h;
     step_.accept();
     std::swap(from_, now_);
     std::swap(now_, end_);
     within = longest;
+    // As long as a jam lasts, steps with less friction become longer from one to the next.
+    if (friction_ < 1) {
+      friction_ = 1;
+      step_.set_friction_share(friction_);
+      jam_ *= 2;
+      next_ = std::max(next_, jam_);
+    } else if (h > kFades * jam_) {
+      jam_ = std::max(jam_ / 2, kShortestJam);
+    }
     step_.mechanism().follow(now_.time, now_.state);
     if (now_.time - brief_ > kConstants.brief) {
       brief_ = now_.time;

@@ -45,8 +45,10 @@ class Implicit {
   StepState middle_, end_, whole_, within_;
   std::vector<double> shown_, loaded_;  // the state that advance() left in the world; found there
   double length_ = 1, shortest_ = 1, touching_ = 0;
-  double next_ = 0;   // s: the step that the error allows
-  double brief_ = 0;  // s: start of the window in which steps are counted
+  double next_ = 0;      // s: the step that the error allows
+  double friction_ = 1;  // share of it, in the present step
+  double jam_ = 0;       // s: steps no longer than that go with less friction if they have to
+  double brief_ = 0;     // s: start of the window in which steps are counted
   int short_ = 0;
 };
 

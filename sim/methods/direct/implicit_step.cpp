@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sim/contact/restitution.h"
 #include "sim/material/elements.h"
 #include "sim/motion/rotation.h"
 #include "sim/motion/stop.h"
@@ -30,6 +31,9 @@ constexpr int kRounds = 10;
 constexpr double kFlat = 1e-6;
 /// Static friction is exceeded from that share below its bound on.
 constexpr double kBarely = 1e-3;
+/// In shorter steps (s) contacts stop sliding and slide back as they must: an impulse, as of a jam,
+/// does both at once.
+constexpr double kShortestSlide = 1e-6;
 /// What stays below its bound by that share does not slide.
 constexpr double kSure = 1e-9;
 
@@ -544,8 +548,9 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
       // A contact that slides back within a step slides forwards until it rests, and one at rest
       // that static friction holds stays there: what ends that ends the step (first_arrival()).
       const bool sliding = std::ranges::find(reversing_, contact.candidate) != reversing_.end();
-      const bool held = problem.forces && contact.sticks && of.stick != of.slide;
-      const double friction = contact.sticks ? of.stick : of.slide;
+      const bool held =
+          problem.forces && contact.sticks && of.stick != of.slide && friction_share_ == 1;
+      const double friction = friction_share_ * (contact.sticks ? of.stick : of.slide);
       const bool frozen = problem.forces && sliding && u.dot(contact.slip) <= 0;
       const Vec3 z = pt - u;
       const double size = z.norm(), bound = held ? 2 * size + 1 : friction * std::max(pn, 0.0);
@@ -708,7 +713,10 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   constexpr double kShortest = 1.0 / 64, kFast = 0.03;
   const double longest = problem.advance > 0 ? 0.5 * shortest_ / problem.advance
                                              : std::numeric_limits<double>::infinity();
-  double last = std::numeric_limits<double>::infinity(), part = 0, fastest = 0;
+  // On the central path the sum of squares falls by that factor in so many iterations.
+  constexpr int kPeriod = 10;
+  constexpr double kLeastFall = 0.7;
+  double last = std::numeric_limits<double>::infinity(), part = 0, fastest = 0, before = last;
   bool keeps = reuses_;
   reuses_ = false;
   for (int i = 0; i < most;) {
@@ -729,6 +737,10 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
     }
     last = sum;
     ++i;
+    if (kappa > 0 && i % kPeriod == 0) {
+      if (i > kPeriod && sum > kLeastFall * before) return false;
+      before = sum;
+    }
     if (assembles_ && !system_->factorise()) return false;
     if (problem.forces) {
       solve_with_twists();
@@ -802,7 +814,7 @@ bool ImplicitStep::follow_central_path(const Problem& problem, double kappa, int
 /// as the first correction led and forces act, then from as far as anything moves. Contacts that
 /// share a load have more than one solution; the path leads between them.
 bool ImplicitStep::solve(const Problem& problem) {
-  constexpr int kMost = 15, kMostWarm = 20, kMostCold = 40;
+  constexpr int kMost = 15, kMostWarm = 20, kMostCold = 40, kMostHeld = 20;
   const double enough = (problem.forces ? 1e-10 : 1e-12) * speed_;
   const std::vector<double> start = unknown_;
   bool found = iterate(problem, -1, kMost, enough);
@@ -820,6 +832,16 @@ bool ImplicitStep::solve(const Problem& problem) {
     if (!found) {
       unknown_ = start;
       found = follow_central_path(problem, cold * cold, kMostCold, enough);
+    }
+    if (!found) {
+      // As if all contacts held: those that slide are found from there, one after another.
+      unknown_ = start;
+      for (std::size_t c = 0; c < contacts_.size(); ++c) {
+        const std::size_t at = first_contact_ + 3 * c;
+        vec(&unknown_[at]) = column_scale_[at] * 10 * speed_ * meetings_[c].normal;
+      }
+      const int most = kMostHeld + static_cast<int>(std::min(contacts_.size(), std::size_t{100}));
+      found = iterate(problem, -1, most, enough);
     }
   }
   if (!found) return false;
@@ -990,61 +1012,56 @@ void ImplicitStep::start_at(const StepState& from) {
   }
 }
 
-/// The kinetic energy (J) of velocities and spins at the places of a jump.
-double ImplicitStep::kinetic_energy(const std::vector<double>& unknowns) const {
+/// J, half of the product of two motions with all masses, at the places of a jump: of one alone its
+/// kinetic energy.
+double ImplicitStep::energy_of(const std::vector<double>& one,
+                               const std::vector<double>& other) const {
   double twice = 0;
   const auto& easy = mechanism_.inverse_mass();
   for (std::size_t p = 0; p < mechanism_.points(); ++p) {
-    if (easy[p] != 0) twice += vec(&unknowns[node_[p]]).squaredNorm() / easy[p];
+    if (easy[p] != 0) twice += vec(&one[node_[p]]).dot(vec(&other[node_[p]])) / easy[p];
   }
   for (std::size_t b = 0; b < body_.size(); ++b) {
     const auto& body = mechanism_.bodies()[b];
-    const Vec3 spin = start_turn_[b].normalized().conjugate() * vec(&unknowns[body_[b] + 3]);
-    twice +=
-        vec(&unknowns[body_[b]]).squaredNorm() / body.inverse_mass + spin.dot(body.inertia * spin);
+    const Quat back = start_turn_[b].normalized().conjugate();
+    const Vec3 spin = back * vec(&one[body_[b] + 3]), others = back * vec(&other[body_[b] + 3]);
+    twice += vec(&one[body_[b]]).dot(vec(&other[body_[b]])) / body.inverse_mass +
+             spin.dot(body.inertia * others);
   }
   return twice / 2;
 }
 
 /// Velocities after the impacts of a moment. Where Newton's restitution would gain energy, as it
-/// may where an impact is felt by others through links and friction, all bounces are as much
-/// smaller as keeps it.
+/// may where an impact is felt by others through links and friction, the impact goes with the share
+/// of what is thrown back that makes none.
 bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
-  Problem problem{.time = to.time};
+  const Problem problem{.time = to.time};
   start_at(to);
   gather(before, wanted_);
-  const std::vector<double> bounce = bounce_, snap = snap_;
-  const auto solve_with = [&](double share) {
-    for (std::size_t c = 0; c < bounce_.size(); ++c) bounce_[c] = share * bounce[c];
-    for (std::size_t k = 0; k < snap_.size(); ++k) snap_[k] = share * snap[k];
+  const auto solve_impact = [&] {
     std::ranges::copy(wanted_, unknown_.begin());
     std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
     return solve(problem);
   };
+  if (!solve_impact()) return false;
   const auto is_asked = [](double speed) { return speed > 0; };
-  if (!solve_with(1)) return false;
-  if (std::ranges::any_of(bounce, is_asked) || std::ranges::any_of(snap, is_asked)) {
-    const double energy = kinetic_energy(wanted_);
-    double low = 0, high = 1, gained = kinetic_energy(unknown_) - energy, lost = -energy;
-    // The Illinois variant of the false position.
-    for (int i = 0; i < 40 && gained > 1e-13 * energy; ++i) {
-      const double share = low + (high - low) * lost / (lost - gained);
-      if (!solve_with(share)) return false;
-      const double change = kinetic_energy(unknown_) - energy;
-      if (change <= 0 && change >= -1e-12 * energy) break;
-      if (change > 0) {
-        high = share;
-        gained = change;
-        lost /= 2;
-      } else {
-        low = share;
-        lost = change;
-        gained /= 2;
+  if (std::ranges::any_of(bounce_, is_asked) || std::ranges::any_of(snap_, is_asked)) {
+    contact::ImpactEnergies energy{.before = energy_of(wanted_, wanted_),
+                                   .thrown = energy_of(unknown_, unknown_)};
+    if (contact::gains_energy(energy.before, energy.thrown)) {
+      const std::vector<double> thrown = unknown_, bounce = bounce_, snap = snap_;
+      std::ranges::fill(bounce_, 0.0);
+      std::ranges::fill(snap_, 0.0);
+      if (!solve_impact()) return false;
+      energy.stopped = energy_of(unknown_, unknown_);
+      energy.mixed = energy_of(unknown_, thrown);
+      const double share = contact::share_thrown_back(energy);
+      for (std::size_t u = 0; u < unknowns_; ++u) {
+        unknown_[u] += share * (thrown[u] - unknown_[u]);
       }
-      if (high - low < 1e-14) {
-        if (!solve_with(low)) return false;
-        break;
-      }
+      for (std::size_t c = 0; c < bounce_.size(); ++c) bounce_[c] = share * bounce[c];
+      for (std::size_t k = 0; k < snap_.size(); ++k) snap_[k] = share * snap[k];
+      place_unknowns(problem);
     }
   }
   to.state = state_;
@@ -1207,6 +1224,7 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
   lay_out(to);
   const std::vector<double> before = to.state;
   if (!project(to, touching)) return false;
+  lay_out(to);  // strings that hold nothing in a projection may stop what moves
   if (!jump(to, before)) return false;
   keep_contacts(to);
   return true;
@@ -1329,11 +1347,10 @@ double ImplicitStep::first_dip(const StepState& from, const StepState& to, doubl
   for (int i = 0; i < kHalvings; ++i) {
     // At a convex surface, and on a straight way, the gap is nowhere below both tangents.
     const double all = (high - low) * h;
-    const double lowest =
-        (behind.rate * before.gap - before.rate * behind.gap + before.rate * behind.rate * all) /
-        (behind.rate - before.rate);
-    if (lowest > 0) return 1;
-    const double share = (low + high) / 2;
+    const double meet =
+        (behind.gap - before.gap - behind.rate * all) / (before.rate - behind.rate);  // s
+    if (before.gap + before.rate * meet > 0) return 1;
+    const double share = low + std::clamp(meet / all, 1e-6, 1 - 1e-6) * (high - low);
     place_between(from, to, h, share);
     const Gap now = gap(candidate);
     if (now.gap < -touching) {
@@ -1383,7 +1400,7 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
     if (share < 1) first = std::min(first, h * share);
   }
   if (!leaving.empty()) place_between(from, to, h, 1);
-  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+  for (std::size_t c = 0; h >= kShortestSlide && c < contacts_.size(); ++c) {
     const Contact &was = from.contacts[c], &now = to.contacts[c];
     const Candidate& of = touches_.candidates()[was.candidate];
     const Meeting at = touches_.meet(mechanism_, was.candidate, to.state.data());
@@ -1428,6 +1445,7 @@ void ImplicitStep::guess(double time, const std::vector<double>& rate) {
 ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double touching,
                                         bool stops, StepState& to) {
   contacts_ = from.contacts;
+  if (h < kShortestSlide) reversing_.clear();
   measure_speed(from);
   lay_out(from);
   const double inner = kGamma * h, outer = (1 - kGamma) * h;

@@ -76,6 +76,10 @@ class ImplicitStep {
   void extrapolate(double share, StepState& one) const;
   double arrival() const { return arrival_; }  // s after the start, estimated
 
+  /// Steps go with that share of friction: jammed contacts may have no solution with all of it
+  /// (Painleve, Sur les lois du frottement de glissement, Comptes Rendus 121, 1895).
+  void set_friction_share(double share) { friction_share_ = share; }
+
   const Mechanism& mechanism() const { return mechanism_; }
   Mechanism& mechanism() { return mechanism_; }
   std::uint64_t factorisations() const {
@@ -160,7 +164,7 @@ class ImplicitStep {
   Vec3 direction(const Link& link) const;
   double held_rate(const Link& link) const;
   bool jump(StepState& to, std::span<const double> before);
-  double kinetic_energy(const std::vector<double>& unknowns) const;
+  double energy_of(const std::vector<double>& one, const std::vector<double>& other) const;
   void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);
   void keep_contacts(StepState& to);
   bool presses(std::size_t c) const;
@@ -210,7 +214,7 @@ class ImplicitStep {
   double first_way_ = 0;              // m/s, of Newton's first correction
   double exact_ = 0;                  // m: roundings of places
   bool jumped_ = false;
-  double arrival_ = 0, lowest_bounce_ = 0, lowest_slip_ = 0;
+  double arrival_ = 0, lowest_bounce_ = 0, lowest_slip_ = 0, friction_share_ = 1;
   /// The moment of a rod that is twisted couples all its particles: a column times a row, scaled.
   struct Twisted {
     std::vector<double> column, row, solved;

@@ -106,7 +106,7 @@ TEST(LinkAnswers, ARodSlidesOverAWireInSecondOrder) {
   }
   for (std::size_t i = 1; i < error.size(); ++i) {
     EXPECT_NEAR(error[i - 1] / error[i], 4, 0.1);
-    EXPECT_NEAR(gain[i - 1] / gain[i], 8, 0.2);
+    EXPECT_NEAR(gain[i - 1] / gain[i], 4, 0.1);
   }
   EXPECT_LT(error.back(), 1e-6);
 }
