@@ -1,6 +1,8 @@
-// The elements of materials (bend, stretched link, link in moving air): energies, forces and their
-// derivatives.
+// The elements of materials (bend, twist, stretched link, link in moving air): energies, forces and
+// their derivatives.
 #pragma once
+
+#include <cstdint>
 
 #include "sim/motion/types.h"
 
@@ -62,5 +64,42 @@ Vec3 drag_force(const Vec3& edge, const Vec3& speed, double density_area, double
 /// The negative derivative of drag_force() by the speed, N s/m.
 Mat3 drag_slope(const Vec3& edge, const Vec3& speed, double density_area, double across,
                 double along);
+
+/// A connector that is clamped at both ends, or a closed loop, and resists twist. Waves of twist
+/// run away from what moves the rod so fast that the moment is the same everywhere (Bergou and
+/// others, Discrete elastic rods, SIGGRAPH 2008, section 7.2): only the twist of the whole counts,
+/// and its energy is stiffness twist^2 / 2.
+struct TwistElement {
+  std::uint32_t connector = 0, first = 0, links = 0;  // `first`: its first particle's point
+  bool closed = false;                                // a loop, without clamps
+  std::uint32_t from = 0, to = 0;                     // indices of the clamps
+  double stiffness = 0;                               // N m: one over the sum of length / GJ
+  double damping = 0;                                 // N m s
+  double rest = 0;                                    // rad
+  double most = 0;                                    // rad: how far its ends are turned at most
+  double start = 0;  // rad: how far they were, carried along, where it was not twisted
+  double since = 0;  // rad: what has come to that by the last state that was followed
+};
+
+/// By what a frame turns about its direction that is carried from an edge (m) to the next, as these
+/// change: how much of the twist between two frames is less. The angle itself depends on what it is
+/// measured from, its derivatives do not.
+class Carry {
+ public:
+  Carry(const Vec3& e0, const Vec3& e1);
+
+  /// t0 x t1 / (1 + t0 . t1), t0 and t1 the directions: divided by the length of an edge, the
+  /// derivative of the twist by that edge, rad/m.
+  const Vec3& slope() const { return slope_; }
+  /// The second derivatives of the twist, rad/m^2, those by one edge less an antisymmetric part: it
+  /// cancels against that of the carry on the edge's other side.
+  Bend::Stiffness second() const;
+
+ private:
+  double inverse0_, inverse1_;  // 1/m
+  Vec3 t0_, t1_;
+  double share_;  // 1 / (1 + t0 . t1)
+  Vec3 slope_;
+};
 
 }  // namespace taut::material

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/material/elements.h"
@@ -68,14 +70,22 @@ bool bends(const Connector& connector) {
   });
 }
 
+/// The turn of a hold that is the farthest from none, rad.
+double farthest(const Hold& hold) {
+  double most = 0;
+  if (!hold.turn) return most;
+  for (const PathKey& key : hold.turn->keys()) most = std::max(most, std::abs(key.position.x()));
+  return most;
+}
+
 }  // namespace
 
 const StretchElement* pressed_together(std::span<const StretchElement> stretches,
                                        const double* positions) {
   constexpr double kShare = 1e-3;
   for (const StretchElement& link : stretches) {
-    const Eigen::Map<const Vec3> a(positions + 3 * link.a), b(positions + 3 * link.b);
-    if ((b - a).norm() < kShare * link.rest) return &link;
+    if ((point(positions, link.b) - point(positions, link.a)).norm() < kShare * link.rest)
+      return &link;
   }
   return nullptr;
 }
@@ -357,4 +367,221 @@ double MaterialForces::cycles() const {
   return 45 * count(stretches_) + 130 * count(bends_) + 60 * count(drags_) + 150 * turns;
 }
 
+// The twist of connectors among the forces of a world.
+
+/// The twist of a connector that carries any; its clamps are numbered from `clamps` on.
+void MaterialForces::add_twist(const Connector& connector, std::uint32_t index, std::uint32_t first,
+                               std::uint32_t clamps, bool closed) {
+  double softness = 0, damping = 0, rest = 0;
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    const Section& section = connector.sections[k];
+    const double own = connector.rest[k] / section.twisting_stiffness;  // rad for 1 N m
+    softness += own;
+    // Each link takes its share of the rate, as it takes its share of the twist.
+    damping += own * section.twisting_damping / section.twisting_stiffness;
+    rest += connector.rest[k] * section.rest_twist;
+  }
+  double most = std::abs(rest);
+  for (const Hold& hold : connector.holds) most += farthest(hold);
+  twists_.push_back({.connector = index,
+                     .first = first,
+                     .links = static_cast<std::uint32_t>(connector.links()),
+                     .closed = closed,
+                     .from = clamps,
+                     .to = clamps + 1,
+                     .stiffness = 1 / softness,
+                     .damping = damping / (softness * softness),
+                     .rest = rest,
+                     .most = most,
+                     .start = connector.end_turn.start,
+                     .since = connector.end_turn.since});
+}
+
+/// Calls `visit(link, slope)`, slope the derivative of the twist by the link's edge.
+template <class Visit>
+void MaterialForces::each_slope(const TwistElement& rod, const double* positions,
+                                Visit visit) const {
+  Vec3 edge = link_of(rod, 0, positions), next;
+  const Vec3 first =
+      rod.closed ? link_of(rod, rod.links - 1, positions) : clamps_[rod.from].motion.direction;
+  const Vec3 last = rod.closed ? edge : clamps_[rod.to].motion.direction;
+  Vec3 before = Carry(first, edge).slope();
+  for (std::uint32_t k = 0; k < rod.links; ++k) {
+    next = k + 1 < rod.links ? link_of(rod, k + 1, positions) : last;
+    const Vec3 behind = Carry(edge, next).slope();
+    visit(k, Vec3((before + behind) / edge.norm()));
+    before = behind;
+    edge = next;
+  }
+}
+
+Vec3 MaterialForces::link_of(const TwistElement& rod, std::uint32_t link,
+                             const double* positions) const {
+  return point(positions, point_of(rod, link + 1)) - point(positions, point_of(rod, link));
+}
+
+double MaterialForces::turned(const TwistElement& rod, const double* positions) const {
+  const auto direction = [&](std::uint32_t link) -> Vec3 {
+    return link_of(rod, link, positions).normalized();
+  };
+  const Vec3 first = rod.closed ? direction(0) : clamps_[rod.from].motion.direction;
+  const Vec3 last = rod.closed ? first : clamps_[rod.to].motion.direction;
+  const Quat from = rod.closed ? frame_along(first) : clamps_[rod.from].frame.frame;
+  const Quat to = rod.closed ? from : clamps_[rod.to].frame.frame;
+  CarriedFrame carried(from, first);
+  for (std::uint32_t k = 0; k < rod.links; ++k) carried.carry(direction(k));
+  carried.carry(last);
+  // As near to the last one as whole turns bring it.
+  const double now = carried.turn_to(to) - rod.start;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return now + kTurn * std::round((rod.since - now) / kTurn);
+}
+
+double MaterialForces::twist(const TwistElement& rod, const double* positions) const {
+  const double turn = turned(rod, positions) - rod.rest;
+  return rod.closed ? turn : turn + clamps_[rod.to].frame.turn - clamps_[rod.from].frame.turn;
+}
+
+double MaterialForces::twist_rate(const TwistElement& rod, const double* positions,
+                                  const double* velocities) const {
+  double rate = 0;
+  if (!rod.closed) {
+    const Clamp &from = clamps_[rod.from], &to = clamps_[rod.to];
+    const Carry first(from.motion.direction, link_of(rod, 0, positions));
+    const Carry last(link_of(rod, rod.links - 1, positions), to.motion.direction);
+    rate += to.frame.spin + to.frame.turn_rate - from.frame.spin - from.frame.turn_rate;
+    rate += first.slope().dot(from.motion.rate) + last.slope().dot(to.motion.rate);
+  }
+  each_slope(rod, positions, [&](std::uint32_t link, const Vec3& slope) {
+    rate += slope.dot(link_of(rod, link, velocities));
+  });
+  return rate;
+}
+
+void MaterialForces::twist_slope(const TwistElement& rod, const double* positions,
+                                 std::vector<Vec3>& slope) const {
+  slope.assign(rod.links + 1, Vec3::Zero());
+  each_slope(rod, positions, [&](std::uint32_t link, const Vec3& by_edge) {
+    slope[link] -= by_edge;
+    slope[link + 1] += by_edge;
+  });
+  if (!rod.closed) return;  // else the last particle is the first
+  slope.front() += slope.back();
+  slope.back().setZero();
+}
+
+void MaterialForces::add_twists(const double* positions, const double* velocities,
+                                std::vector<Vec3>& force) const {
+  for (const TwistElement& rod : twists_) {
+    double moment = rod.stiffness * twist(rod, positions);
+    if (rod.damping > 0) moment += rod.damping * twist_rate(rod, positions, velocities);
+    each_slope(rod, positions, [&](std::uint32_t link, const Vec3& slope) {
+      force[point_of(rod, link)] += moment * slope;
+      force[point_of(rod, link + 1)] -= moment * slope;
+    });
+  }
+}
+
+void MaterialForces::follow(const double* positions) {
+  for (TwistElement& rod : twists_) rod.since = turned(rod, positions);
+}
+
+void MaterialForces::load_twists(const World& world) {
+  for (TwistElement& rod : twists_) {
+    const EndTurn& turn = world.connectors[rod.connector].end_turn;
+    rod.start = turn.start;
+    rod.since = turn.since;
+  }
+}
+
+void MaterialForces::store_twists(World& world) const {
+  for (const TwistElement& rod : twists_)
+    world.connectors[rod.connector].end_turn.since = rod.since;
+}
+
+// The stiffest of what stretches, bends and twists, which limits explicit steps.
+
+// Of each element the matrix is stiffness d d^T, d how it changes with its points along the way in
+// which it does: 1, -1 for a stretch; 1/l0, -(1/l0 + 1/l1), 1/l1 for a bend.
+MaterialForces::HighestMode MaterialForces::highest_mode(
+    const std::vector<double>& inverse_mass) const {
+  std::vector<double> stiff(inverse_mass.size()), damped(inverse_mass.size());  // sums of rows
+  const auto add = [&](double stiffness, double damping,
+                       std::initializer_list<std::uint32_t> points,
+                       std::initializer_list<double> changes) {
+    double sum = 0;
+    for (const double change : changes) sum += change;
+    auto change = changes.begin();
+    for (const std::uint32_t p : points) {
+      stiff[p] += stiffness * *change * sum;
+      damped[p] += damping * *change++ * sum;
+    }
+  };
+  for (const StretchElement& link : stretches_) {
+    add(link.stiffness, link.damping, {link.a, link.b}, {1, 1});
+  }
+  for (std::size_t i = 0; i < bends_.size(); ++i) {
+    const BendElement& bend = bends_[i];
+    const double l0 = bend.clamped_before() ? 0 : 1 / lengths_[i].before;
+    const double l1 = bend.clamped_behind() ? 0 : 1 / lengths_[i].behind;
+    add(bend.stiffness, bend.damping, {bend.a, bend.b, bend.c}, {l0, l0 + l1, l1});
+  }
+  // Of twist what the moment bends aside, at most (moment / 2) (e0^2 + e1^2) / l^2 where two links
+  // meet, e how far their ends part across; and stiffness d d^T, d at most 1/l of each link, where
+  // neighbours meet at one radian.
+  for (const TwistElement& rod : twists_) {
+    const double moment = rod.stiffness * (rod.most + std::abs(rod.since) + 2 * std::numbers::pi);
+    double sum = 0;
+    for (std::uint32_t k = 0; k < rod.links; ++k) sum += 2 / rest_[rod.first + k];
+    for (std::uint32_t k = 0; k < rod.links; ++k) {
+      const std::uint32_t a = point_of(rod, k), b = point_of(rod, k + 1);
+      const double change = 1 / rest_[rod.first + k];
+      add(moment, 0, {a, b}, {change, change});
+      for (const std::uint32_t p : {a, b}) {
+        stiff[p] += rod.stiffness * change * sum;
+        damped[p] += rod.damping * change * sum;
+      }
+    }
+  }
+  // Where 4/h^2 - 2c/h - k, Gershgorin's bound of a particle's row, is above zero for each, a step
+  // of h is stable: the particle with the shortest step counts, w^2 = k and c = 2 z w.
+  HighestMode found;
+  double most = 0;
+  for (std::size_t p = 0; p < stiff.size(); ++p) {
+    const double k = inverse_mass[p] * stiff[p], half = inverse_mass[p] * damped[p] / 2;
+    const double rate = std::sqrt(k + half * half) + half;
+    if (!(rate > most)) continue;
+    most = rate;
+    found.frequency = std::sqrt(k);
+    found.damping_ratio = k > 0 ? half / found.frequency : 0;
+    found.damping = 2 * half;
+  }
+  return found;
+}
+
 }  // namespace taut::material
+
+double taut::elastic_energy(const World& world) {
+  material::MaterialForces forces;
+  forces.rebuild(world, 0);
+  forces.place(world, world.time);
+  std::vector<Vec3> position;
+  for (const Connector& connector : world.connectors) {
+    position.insert(position.end(), connector.position.begin(), connector.position.end());
+  }
+  double energy = 0;
+  for (const material::StretchElement& link : forces.stretches()) {
+    const double longer = (position[link.b] - position[link.a]).norm() - link.rest;
+    energy += link.stiffness * longer * longer / 2;
+  }
+  Vec3 e0, e1;
+  for (const material::BendElement& bend : forces.bends()) {
+    forces.edges(bend, position.data()->data(), e0, e1);
+    energy += material::Bend(e0, e1, bend.rest).energy(bend.stiffness);
+  }
+  for (const material::TwistElement& rod : forces.twists()) {
+    const double twist = forces.twist(rod, position.data()->data());
+    energy += rod.stiffness * twist * twist / 2;
+  }
+  return energy;
+}

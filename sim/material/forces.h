@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/material/twist.h"
+#include "sim/material/elements.h"
 #include "sim/world/twist.h"
 #include "sim/world/world.h"
 
