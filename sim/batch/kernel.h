@@ -6,7 +6,6 @@
 #include <cstddef>
 
 #include "sim/links/link_loops.h"
-#include "sim/links/solve_chain.h"
 
 namespace taut::batch {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/links/dense.h"
+#include "sim/links/linear_systems.h"
 #include "sim/motion/rotation.h"
 #include "sim/motion/stop.h"
 

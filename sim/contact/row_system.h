@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/contact/body_mobility.h"
-#include "sim/links/dense.h"
+#include "sim/links/linear_systems.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::contact {

@@ -3,9 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace taut {
 namespace {
+
+/// What a pull at one of two ends at a free body does to the row of the other, 1/kg.
+double through_body(const Mechanism& mechanism, const Mechanism::RowEnd& end,
+                    const Mechanism::RowEnd& other) {
+  const auto& point = mechanism.body_points()[end.body_point];
+  const auto& body = mechanism.bodies()[point.body];
+  const Vec3 pull = end.sign * mechanism.direction()[end.row];
+  const Vec3 other_pull = other.sign * mechanism.direction()[other.row];
+  const Vec3 torque = point.arm.cross(pull);
+  const Vec3 other_torque = mechanism.body_points()[other.body_point].arm.cross(other_pull);
+  return body.inverse_mass * pull.dot(other_pull) + torque.dot(body.world_inverse * other_torque);
+}
 
 /// True where `row` and the next are neighbouring links of one connector.
 bool neighbours(const std::vector<Row>& rows, std::size_t row) {
@@ -14,6 +28,104 @@ bool neighbours(const std::vector<Row>& rows, std::size_t row) {
 }
 
 }  // namespace
+
+void JoinedTension::rebuild(const Mechanism& mechanism) {
+  rows_ = mechanism.rows().size();
+  find_point_terms(mechanism);
+  find_body_terms(mechanism);
+  find_pattern();
+}
+
+void JoinedTension::find_point_terms(const Mechanism& mechanism) {
+  const auto& rows = mechanism.rows();
+  std::vector<std::vector<std::uint32_t>> at(mechanism.points());
+  for (std::uint32_t r = 0; r < rows_; ++r) {
+    at[rows[r].a].push_back(r);
+    at[rows[r].b].push_back(r);
+  }
+  point_terms_.clear();
+  for (std::uint32_t point = 0; point < at.size(); ++point) {
+    if (mechanism.inverse_mass()[point] == 0) continue;
+    for (std::size_t i = 0; i < at[point].size(); ++i) {
+      for (std::size_t j = i + 1; j < at[point].size(); ++j) {
+        const std::uint32_t row = at[point][i], other = at[point][j];
+        const bool same_side = (point == rows[row].a) == (point == rows[other].a);
+        point_terms_.push_back({row, other, 0, point, same_side ? 1.0 : -1.0});
+      }
+    }
+  }
+}
+
+void JoinedTension::find_body_terms(const Mechanism& mechanism) {
+  const auto& ends = mechanism.row_ends();
+  std::vector<std::vector<std::uint32_t>> on(mechanism.bodies().size());
+  for (std::uint32_t g = 0; g < ends.size(); ++g) {
+    on[mechanism.body_points()[ends[g].body_point].body].push_back(g);
+  }
+  body_terms_.clear();
+  for (const std::vector<std::uint32_t>& list : on) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      for (std::size_t j = i; j < list.size(); ++j) {
+        const bool twice = i != j && ends[list[i]].row == ends[list[j]].row;
+        body_terms_.push_back({list[i], list[j], 0, twice ? 2.0 : 1.0});
+      }
+    }
+  }
+  row_of_end_.clear();
+  for (const auto& end : ends) row_of_end_.push_back(end.row);
+}
+
+/// Numbers the values of the terms: the rows' diagonal first, then pairs of rows as they rise.
+void JoinedTension::find_pattern() {
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;
+  std::vector<Pair> pairs;
+  const auto pair = [](std::uint32_t a, std::uint32_t b) { return Pair(std::minmax(a, b)); };
+  const auto pair_of = [&](const BodyTerm& term) {
+    return pair(row_of_end_[term.end], row_of_end_[term.other]);
+  };
+  for (const PointTerm& term : point_terms_) pairs.push_back(pair(term.row, term.other));
+  for (const BodyTerm& term : body_terms_) pairs.push_back(pair_of(term));
+  std::erase_if(pairs, [](const Pair& p) { return p.first == p.second; });
+  std::ranges::sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  const auto value = [&](const Pair& p) {
+    if (p.first == p.second) return p.first;
+    return small(rows_) +
+           small(static_cast<std::size_t>(std::ranges::lower_bound(pairs, p) - pairs.begin()));
+  };
+  for (PointTerm& term : point_terms_) term.value = value(pair(term.row, term.other));
+  for (BodyTerm& term : body_terms_) term.value = value(pair_of(term));
+  std::vector<SparseLdlt::Coupling> couplings;
+  couplings.reserve(pairs.size());
+  for (const auto& [row, other] : pairs) couplings.push_back({row, other});
+  ldlt_.analyse(rows_, couplings);
+  values_.assign(rows_ + pairs.size(), 0.0);
+}
+
+void JoinedTension::assemble(const Mechanism& mechanism) {
+  const auto& rows = mechanism.rows();
+  const auto& w = mechanism.inverse_mass();
+  const auto& direction = mechanism.direction();
+  std::ranges::fill(values_, 0.0);
+  for (std::size_t r = 0; r < rows_; ++r) {
+    values_[r] = (w[rows[r].a] + w[rows[r].b]) * direction[r].squaredNorm();
+  }
+  for (const PointTerm& term : point_terms_) {
+    values_[term.value] +=
+        term.sign * w[term.point] * direction[term.row].dot(direction[term.other]);
+  }
+  const auto& ends = mechanism.row_ends();
+  for (const BodyTerm& term : body_terms_) {
+    values_[term.value] += term.times * through_body(mechanism, ends[term.end], ends[term.other]);
+  }
+}
+
+bool JoinedTension::solve(const std::vector<double>& right, std::vector<double>& x) {
+  x.resize(rows_);
+  ldlt_.factor(values_.data());
+  ldlt_.solve(right.data(), x.data());
+  return ldlt_.dependent() == 0;
+}
 
 void TensionSystem::rebuild(const Mechanism& mechanism) {
   rows_ = mechanism.unknowns();
@@ -164,15 +276,9 @@ void TensionSystem::assemble(const Mechanism& mechanism) {
   for (const PointTerm& term : point_terms_) {
     values_[term.value] += term.weight * direction[term.row].dot(direction[term.other]);
   }
+  const auto& ends = mechanism.row_ends();
   for (const BodyTerm& term : body_terms_) {
-    const auto& g = mechanism.row_ends()[term.end];
-    const auto& h = mechanism.row_ends()[term.other];
-    const auto& body = mechanism.bodies()[mechanism.body_points()[g.body_point].body];
-    const Vec3 pull = g.sign * direction[g.row], other = h.sign * direction[h.row];
-    const Vec3 torque = mechanism.body_points()[g.body_point].arm.cross(pull);
-    const Vec3 other_torque = mechanism.body_points()[h.body_point].arm.cross(other);
-    values_[term.value] += term.times * (body.inverse_mass * pull.dot(other) +
-                                         torque.dot(body.world_inverse * other_torque));
+    values_[term.value] += term.times * through_body(mechanism, ends[term.end], ends[term.other]);
   }
   const auto entry_of = [&](std::uint32_t value) { return entries_[value - 2 * rows_]; };
   for (std::size_t c = 0; c < couplings_.size(); ++c) {
@@ -333,6 +439,95 @@ bool TensionSystem::solve(const std::vector<double>& right, std::vector<double>&
     solve_blocks(right, x);
   }
   return false;
+}
+
+// Tensions where A is singular: each block of rows that couple by itself.
+
+/// Which rows couple, as the values of A are.
+void TensionSystem::find_blocks() {
+  block_.resize(rows_);
+  std::iota(block_.begin(), block_.end(), 0u);
+  const auto first = [&](std::uint32_t row) {
+    while (block_[row] != row) row = block_[row] = block_[block_[row]];
+    return row;
+  };
+  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t one = first(a), other = first(b);
+    block_[std::max(one, other)] = std::min(one, other);
+  };
+  for (std::uint32_t r = 0; r + 1 < rows_; ++r) {
+    if (values_[rows_ + r] != 0) unite(r, r + 1);
+  }
+  for (const Entry& e : entries_) unite(e.row, e.other);
+  for (std::uint32_t r = 0; r < rows_; ++r) block_[r] = first(r);
+  block_rows_.resize(rows_);
+  std::iota(block_rows_.begin(), block_rows_.end(), 0u);
+  std::ranges::stable_sort(block_rows_, {}, [&](std::uint32_t row) { return block_[row]; });
+  block_entries_.resize(entries_.size());
+  std::iota(block_entries_.begin(), block_entries_.end(), 0u);
+  std::ranges::stable_sort(block_entries_, {},
+                           [&](std::uint32_t e) { return block_[entries_[e].row]; });
+}
+
+void TensionSystem::solve_blocks(const std::vector<double>& right, std::vector<double>& x) {
+  find_blocks();
+  place_.resize(rows_);
+  x.resize(rows_);
+  std::size_t entry = 0;
+  for (std::size_t begin = 0, end = 0; begin < rows_; begin = end) {
+    const std::uint32_t block = block_[block_rows_[begin]];
+    const std::size_t from = entry;
+    for (; end < rows_ && block_[block_rows_[end]] == block; ++end) {
+      place_[block_rows_[end]] = small(end - begin);
+    }
+    while (entry < entries_.size() && block_[entries_[block_entries_[entry]].row] == block) ++entry;
+    solve_block(std::span(block_rows_).subspan(begin, end - begin),
+                std::span(block_entries_).subspan(from, entry - from), right, x);
+  }
+}
+
+void TensionSystem::solve_block(std::span<const std::uint32_t> rows,
+                                std::span<const std::uint32_t> entries,
+                                const std::vector<double>& right, std::vector<double>& x) {
+  if (entries.empty()) {  // neighbours, one behind the other
+    double before = 0, moved = 0;
+    bool singular = false;
+    for (const std::uint32_t r : rows) {
+      const double pivot = values_[r] - before;
+      if ((singular = !(pivot > kSingular * values_[r]))) break;
+      inverse_pivot_[r] = 1 / pivot;
+      factor_[r] = values_[rows_ + r] * inverse_pivot_[r];
+      x[r] = right[r] - moved;
+      moved = factor_[r] * x[r];
+      before = values_[rows_ + r] * factor_[r];
+    }
+    if (!singular) {
+      double behind = 0;
+      for (std::size_t i = rows.size(); i-- > 0;) {
+        x[rows[i]] = behind = x[rows[i]] * inverse_pivot_[rows[i]] - factor_[rows[i]] * behind;
+      }
+      return;
+    }
+  }
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  dense_.setZero(size, size);
+  dense_right_.resize(size);
+  for (const std::uint32_t r : rows) {
+    const auto i = static_cast<Eigen::Index>(place_[r]);
+    dense_(i, i) = values_[r];
+    dense_right_[i] = right[r];
+    if (values_[rows_ + r] == 0) continue;
+    const auto j = static_cast<Eigen::Index>(place_[r + 1]);
+    dense_(i, j) = dense_(j, i) = values_[rows_ + r];
+  }
+  for (const std::uint32_t e : entries) {
+    const Entry& at = entries_[e];
+    dense_(place_[at.row], place_[at.other]) = values_[at.value];
+    dense_(place_[at.other], place_[at.row]) = values_[at.value];
+  }
+  dense_solver_.compute(dense_);
+  dense_right_ = dense_solver_.solve(dense_right_);
+  for (const std::uint32_t r : rows) x[r] = dense_right_[place_[r]];
 }
 
 }  // namespace taut

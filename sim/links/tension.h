@@ -1,4 +1,4 @@
-// The linear system whose solution is the tensions of all rows at once.
+// The linear systems whose solution is the tensions of all rows at once.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -8,12 +8,54 @@
 #include <utility>
 #include <vector>
 
-#include "sim/links/dense.h"
-#include "sim/links/joined_tension.h"
+#include "sim/links/linear_systems.h"
 #include "sim/links/mechanism.h"
-#include "sim/links/threshold_elimination.h"
 
 namespace taut {
+
+/// The share in the number `value` of a system's matrix of two ends, of Mechanism::row_ends(), at
+/// one free body.
+struct BodyTerm {
+  std::uint32_t end = 0, other = 0, value = 0;
+  double times = 1;
+};
+
+/// The tensions of connectors that are joined: TensionSystem's A = J M^-1 J^T where rows of many
+/// connectors meet: sparse, in time that is linear in the number of rows of a tree and about its
+/// power 1.5 in a net.
+class JoinedTension {
+ public:
+  void rebuild(const Mechanism& mechanism);
+  void assemble(const Mechanism& mechanism);
+  /// Solves A x = `right`; rows that depend on others have the tension zero, which moves what all
+  /// of them together would where `right` agrees with them. False where there are any.
+  bool solve(const std::vector<double>& right, std::vector<double>& x);
+
+  /// The multiplications of one elimination.
+  double products() const { return ldlt_.products(); }
+  /// The cycles (see Counters::cycles) of assemble() and solve().
+  double cycles() const {
+    return 25 * static_cast<double>(values_.size()) + 4 * ldlt_.products() +
+           8 * static_cast<double>(ldlt_.entries());
+  }
+
+ private:
+  /// The share in values_[value] of two rows with a common particle.
+  struct PointTerm {
+    std::uint32_t row = 0, other = 0, value = 0, point = 0;
+    double sign = 0;
+  };
+  void find_point_terms(const Mechanism& mechanism);
+  void find_body_terms(const Mechanism& mechanism);
+  void find_pattern();
+
+  std::size_t rows_ = 0;
+  std::vector<PointTerm> point_terms_;
+  std::vector<BodyTerm> body_terms_;
+  std::vector<std::uint32_t> row_of_end_;  // of Mechanism::row_ends()
+  std::vector<double> values_;             // the rows' diagonal, then their couplings
+  SparseLdlt ldlt_;
+};
 
 /// A = J M^-1 J^T over the rows of a mechanism, at the instant that the mechanism was updated to
 /// last. Under tensions T (N) the second derivatives of the rows' violation are (their value
@@ -73,14 +115,10 @@ class TensionSystem {
   struct Entry {
     std::uint32_t row = 0, other = 0, value = 0, transposed = 0;
   };
-  /// The share in values_[value] of two row ends with a common particle or free body.
+  /// The share in values_[value] of two row ends with a common particle.
   struct PointTerm {
     std::uint32_t row = 0, other = 0, value = 0;
     double weight = 0;  // 1/kg, signed
-  };
-  struct BodyTerm {
-    std::uint32_t end = 0, other = 0, value = 0;
-    double times = 1;
   };
 
   // A pivot this small beside what it was made from is rounding: A is singular.

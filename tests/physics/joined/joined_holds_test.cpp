@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "joined_worlds.h"
-#include "sim/links/joined_tension.h"
+#include "sim/links/tension.h"
 
 namespace taut::joined_holds_test {
 namespace {

@@ -1,8 +1,8 @@
-#include "sim/links/threshold_elimination.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "sim/links/linear_systems.h"
 
 namespace taut::threshold_elimination_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/links/dense.h"
+#include "sim/links/linear_systems.h"
 #include "sim/methods/direct/system/constraint_row.h"
 #include "sim/methods/direct/system/links.h"
 #include "sim/methods/direct/system/motion.h"

@@ -1,6 +1,6 @@
 #include "sim/methods/direct/system/tridiagonal.h"
 
-#include "sim/links/solve_chain.h"
+#include "sim/links/link_loops.h"
 #include "sim/methods/direct/system/vector.h"
 
 namespace taut::direct {
