@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/motion/larger.h"
 #include "sim/motion/rotation.h"
+#include "sim/world/places.h"
 
 namespace taut::contact {
 namespace {
@@ -221,6 +223,28 @@ double least_gap(const Capsule& solid, const Capsule& capsule) {
                    length > 0 ? rotation_between(Vec3::UnitY(), way) : Quat::Identity()};
   const Shape shape = length > 0 ? capsule_shape(solid.radius, length) : sphere_shape(solid.radius);
   return least_gap(shape, frame, capsule);
+}
+
+double penetration_max(const World& world) {
+  double most = 0;
+  for (const Obstacle& obstacle : world.obstacles) {
+    const Pose frame = obstacle.frame(world.time).pose();
+    for (const Connector& connector : world.connectors) {
+      if (!obstacle.touches(connector.category)) continue;
+      for (std::size_t i = 0; i < connector.particles(); ++i) {
+        if (holds(connector, i)) continue;
+        const Vec3& at = connector.position[i];
+        most = larger(most, -gap(obstacle, frame, at, connector.radius).distance);
+      }
+    }
+    for (const Body& body : world.bodies) {
+      const BodyCapsule& own = body.capsule;
+      if (body.driven() || !own.touches() || !obstacle.touches(own.category)) continue;
+      const Capsule capsule{body.point(own.from), body.point(own.to), own.radius};
+      most = larger(most, -least_gap(obstacle.shape, frame, capsule));
+    }
+  }
+  return most;
 }
 
 }  // namespace taut::contact

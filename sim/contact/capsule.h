@@ -1,4 +1,4 @@
-// Where a capsule may touch a convex solid.
+// Where a capsule may touch a convex solid, and how deep anything is in an obstacle.
 #pragma once
 
 #include <array>
@@ -6,6 +6,7 @@
 
 #include "sim/motion/types.h"
 #include "sim/world/shape.h"
+#include "sim/world/world.h"
 
 namespace taut::contact {
 
@@ -51,5 +52,9 @@ bool tips(const Shape& shape, const Pose& start, const Capsule& from, double fro
 double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule);
 /// The distance of two capsules (m).
 double least_gap(const Capsule& solid, const Capsule& capsule);
+
+/// How deep (m) the bead or the free body's capsule is that is deepest in an obstacle; zero where
+/// none is in one.
+double penetration_max(const World& world);
 
 }  // namespace taut::contact

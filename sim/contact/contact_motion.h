@@ -6,9 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/contact/body_meetings.h"
 #include "sim/contact/body_system.h"
-#include "sim/contact/clusters.h"
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
 #include "sim/links/mechanism.h"
@@ -25,7 +23,7 @@ namespace taut::contact {
 ///
 /// No bead may touch two obstacles at once; a body may. Where links touch, too, beads and links are
 /// to this class what bodies are, and all that touches responds together with all links: one dense
-/// system (contact_links.cpp, contact_together.cpp).
+/// system.
 class ContactMotion {
  public:
   using State = std::vector<double>;  // as Mechanism has it

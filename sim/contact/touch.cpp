@@ -2,8 +2,6 @@
 
 #include <Eigen/LU>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <optional>
 
 namespace taut::contact {
@@ -28,10 +26,6 @@ void open(Touch& touch) {
   touch.friction.setZero();
 }
 
-double holding(const Touch& touch, const Vec3& slip) {
-  return touch.sliding.dot(slip) > 0 ? touch.slide : touch.stick;
-}
-
 /// The one touch closes; none where it would have to pull.
 std::optional<Response> close_one(const Vec3& free, Touch& touch, double creep) {
   const Vec3& n = touch.normal;
@@ -43,7 +37,7 @@ std::optional<Response> close_one(const Vec3& free, Touch& touch, double creep) 
   const Vec3 slip = across * (frictionless - touch.surface);
   const double speed = slip.norm();
   const Vec3 carried = touch.least * n + across * touch.surface;
-  if (speed <= (1 + creep) * holding(touch, slip) * push) {
+  if (speed <= (1 + creep) * friction_of(touch, slip) * push) {
     touch.state = Touch::State::sticks;
     touch.friction = -slip / (1 + creep);
     const double left = creep / (1 + creep);
@@ -82,8 +76,8 @@ std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b, double c
   const Vec3 held = normals.transpose() * (inverse * wanted);
   const double carried = along.dot(a.surface + b.surface) / 2;
   const double slip = along.dot(frictionless) - carried;
-  const double hold_a = holding(a, slip * along) * a.push;
-  const double most = hold_a + holding(b, slip * along) * b.push;
+  const double hold_a = friction_of(a, slip * along) * a.push;
+  const double most = hold_a + friction_of(b, slip * along) * b.push;
   if (std::abs(slip) <= (1 + creep) * most) {
     for (Touch* touch : {&a, &b}) {
       touch->state = Touch::State::sticks;
@@ -130,7 +124,7 @@ std::optional<Response> graze(const Vec3& free, Touch& touch, Touch& grazed, dou
   if (!(left(touch.stick) >= 0)) return std::nullopt;
   grazed.state = Touch::State::slides;
   Response found{pressed + aside * across, Mat3::Zero()};
-  if (const double most = std::sqrt(left(holding(touch, slip * along)));
+  if (const double most = std::sqrt(left(friction_of(touch, slip * along)));
       std::abs(slip) <= (1 + creep) * most) {
     touch.state = Touch::State::sticks;
     touch.friction = aside * across - slip / (1 + creep) * along;

@@ -1,7 +1,11 @@
 // How a bead responds to what it touches: unilateral contact with Coulomb friction, solved at one
-// bead.
+// bead; how friction at many is approached; and what an impact throws back.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <span>
 
 #include "sim/motion/types.h"
@@ -30,6 +34,11 @@ struct Touch {
   Vec3 friction = Vec3::Zero();  // across it, the sum
 };
 
+/// Coulomb's coefficient where it would slip so.
+inline double friction_of(const Touch& touch, const Vec3& slip) {
+  return touch.sliding.dot(slip) > 0 ? touch.slide : touch.stick;
+}
+
 /// A bead's velocity and how it changes with the velocity that it would have without the touches.
 struct Response {
   Vec3 velocity = Vec3::Zero();
@@ -50,5 +59,90 @@ Response respond(const Vec3& free, std::span<Touch> touches, double creep = 0);
 /// do; `normal` and `least` are their derivatives by anything in three dimensions.
 Mat3 response_to_turning(const Vec3& free, const Touch& touch, const Mat3& normal,
                          const Vec3& least, double creep);
+
+// Friction that is approached from a viscous one, and by Newton's method.
+
+/// The creep of what sticks, see respond().
+inline constexpr double kCreep = 1e-14;
+
+/// A homotopy: solves with viscous friction first, then with less and less creep, as fast as
+/// solutions lead to each other. `solve` takes a creep, begins at what it found last, and says
+/// whether it found a solution; `keep` and `restore` remember that and return to it. Returns the
+/// least creep with a solution, which `solve` found last; infinite where there is none.
+template <typename Solve, typename Keep, typename Restore>
+double approach_friction(const Solve& solve, const Keep& keep, const Restore& restore) {
+  constexpr double kViscous = 1e4;             // friction that hardly matters
+  constexpr double kLeap = 100, kLeast = 1.5;  // from one creep to the next
+  double creep = kViscous, factor = kLeap;
+  if (!solve(creep)) return std::numeric_limits<double>::infinity();
+  while (creep > kCreep) {
+    const double next = std::max(creep / factor, kCreep);
+    keep();
+    if (solve(next)) {
+      creep = next;
+      factor = std::min(factor * factor, kLeap);
+      continue;
+    }
+    restore();
+    factor = std::sqrt(factor);
+    if (factor < kLeast) {
+      solve(creep);
+      break;
+    }
+  }
+  return creep;
+}
+
+inline constexpr int kIterations = 80;  // of Newton's method, at most
+
+/// The share of Newton's changes that is taken: all as long as touches stay as they are. Touches
+/// that change their state to and fro, between sticking and sliding say, need less. Where a change
+/// of states travels along a connector, a relaxation takes it there.
+class Damping {
+ public:
+  /// Call once in an iteration, with a number of the states that the touches are in. Whether to
+  /// relax the rows one by one, rather than to take a share() of Newton's change.
+  bool relaxes(std::uint64_t pattern) {
+    const bool changed = pattern != last_;
+    last_ = pattern;
+    if (++iteration_ <= kUndamped) return changed && iteration_ % kRelaxed == 0;
+    share_ = changed ? std::max(0.1, 0.7 * share_) : std::min(1.0, 2 * share_);
+    return changed && iteration_ % kRelaxed == 0;
+  }
+  double share() const { return share_; }
+
+ private:
+  static constexpr int kUndamped = 6, kRelaxed = 4;
+
+  int iteration_ = 0;
+  double share_ = 1;
+  std::uint64_t last_ = 0;
+};
+
+// What an impact throws back, so that it makes no energy.
+
+/// Kinetic energies (J) of what an impact moves: before it; after it as Newton's law has it, and
+/// without restitution; and half of the product of both velocities after it with the masses.
+struct ImpactEnergies {
+  double before = 0, thrown = 0, stopped = 0, mixed = 0;
+};
+
+/// Of a rebound by Newton's law less than this share of the energy before is gained by rounding.
+inline constexpr double kGainedByRounding = 1e-10;
+
+inline bool gains_energy(double before, double thrown) {
+  return thrown > (1 + kGainedByRounding) * before;
+}
+
+/// The largest share with which `thrown` velocities, and with the rest `stopped` ones, have no more
+/// energy than before. Without restitution none is gained, so there is one.
+inline double share_thrown_back(const ImpactEnergies& energy) {
+  const double square = energy.stopped - 2 * energy.mixed + energy.thrown;
+  const double half = energy.mixed - energy.stopped, spare = energy.before - energy.stopped;
+  if (!(spare > 0) || !(square > 0)) return 0;
+  // The larger root, without cancellation.
+  const double root = std::sqrt(half * half + square * spare);
+  return half > 0 ? spare / (half + root) : (root - half) / square;
+}
 
 }  // namespace taut::contact

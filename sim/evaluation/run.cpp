@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/contact/penetration.h"
+#include "sim/contact/capsule.h"
 #include "sim/evaluation/energy_balance.h"
 #include "sim/measure/measure.h"
 #include "sim/motion/stop.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/contact/body_meetings.h"
+#include "sim/contact/body_touch.h"
 
 namespace taut::direct {
 namespace {

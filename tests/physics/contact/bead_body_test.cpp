@@ -5,7 +5,7 @@
 #include <string>
 
 #include "contact_sticks.h"
-#include "sim/contact/penetration.h"
+#include "sim/contact/capsule.h"
 #include "sim/measure/measure.h"
 #include "sim/world/places.h"
 #include "tests/support/dice.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "scenes/load/load_scene.h"
-#include "sim/contact/penetration.h"
+#include "sim/contact/capsule.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/contact/penetration.h"
+#include "sim/contact/capsule.h"
 #include "sim/contact/touch.h"
 #include "sim/world/connector.h"
 #include "sim/world/obstacle.h"
+#include "sim/world/world.h"
 #include "tests/support/dice.h"
 
 namespace taut::contact_test {
