@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/methods/direct/system/vector.h"
 #include "sim/motion/stop.h"
 
 namespace taut::direct {
@@ -86,6 +87,159 @@ void Integrator::begin() {
   last_turn_ = Dop853Step::kStable;
   rests_.fill({0, kConstants.shortest_rest});
 }
+
+// How far a step of each scheme may go, how wrong it may be, and where it has to end.
+
+/// How long it takes the quickest link to turn by kConstants.turn (s).
+double Integrator::first_step() const {
+  double speed = 0, gain = 0;  // 1/s, 1/s^2
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    speed = std::max(speed, std::abs(rate_[i]));
+    gain = std::max(gain, std::abs(acceleration_[i]));
+  }
+  const double turn = kConstants.turn;
+  const double turned = 2 * turn / (speed + std::sqrt(speed * speed + 2 * gain * turn));
+  return std::min(turned, longest_);
+}
+
+/// Whether the last attempt of the scheme, of h, changes no direction by a rounding: then no
+/// shorter one errs by less.
+bool Integrator::is_lost(Scheme scheme, double h) const {
+  constexpr double kRounding = std::numeric_limits<double>::epsilon();
+  const double* q = scheme == dop853 ? dop853_.q() : rosenbrock_.q();
+  const double* rate = scheme == dop853 ? dop853_.rate() : rosenbrock_.rate();
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    const double change = std::abs(q[i] - q_[i]) + h * std::abs(rate[i] - rate_[i]);
+    if (!(change < kRounding)) return false;
+  }
+  return true;
+}
+
+/// The longest step (s) of the scheme under the waves of the present state.
+double Integrator::stable_step(Scheme scheme) const {
+  if (scheme == rosenbrock) return std::numeric_limits<double>::infinity();
+  return (scheme == dop853 ? Dop853Step::kStable : AdamsStep::kStable) / waves_ / options_.finer;
+}
+
+/// The error (m) that a run may make.
+double Integrator::asked_error() const {
+  const double length = system_.length();
+  if (!(length > 0)) return options_.tolerance;  // a body alone
+  if (options_.step > 0) return kConstants.coarsest * length;
+  return std::min(options_.tolerance, kConstants.largest * length);
+}
+
+/// The error (m) that a step of h of the scheme may make.
+double Integrator::allowed_error(Scheme scheme, double h) const {
+  const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
+  const double rough = kConstants.turn * system_.shortest() / kConstants.share;
+  // No shorter step would mend what the last digit of each direction does under the tensions.
+  constexpr double kDigit = std::numeric_limits<double>::epsilon() / 2;
+  const double rounding =
+      kConstants.roundings * kDigit * waves_ * waves_ * system_.displacement_bound(1);
+  return share * std::min(asked_error(), rough) / larger_[scheme] +
+         h * system_.velocity_time() * rounding;
+}
+
+/// The error of a step of h of the scheme, as a share of the one that it may make. Waves are passed
+/// over only where they are as quick at the step's end: damping under tensions that are gone says
+/// nothing of an error.
+double Integrator::share_of_allowed(Scheme scheme, double h, const StepError& error) const {
+  const bool lasting = h * system_.wave_frequency() > Dop853Step::kStable;
+  const double followed = (lasting ? error.followed : error.all) / allowed_error(scheme, h);
+  const double once = kConstants.passed_over * asked_error() / larger_[scheme];
+  return std::max(followed, error.passed_over / once);
+}
+
+/// Whether the scheme's steps end where a state is asked for. DOP853's are too long to be
+/// interpolated but roughly; of others what is interpolated is good enough for loose tolerances
+/// alone, since an intervention may go on from there.
+bool Integrator::lands(Scheme scheme) const {
+  return scheme == dop853 || options_.step > 0 ||
+         options_.tolerance < kConstants.interpolated * system_.length();
+}
+
+/// The next step of the scheme, which can do `wish`: one of equal ones to `until`, so that none is
+/// a sliver, where it has to end there. Adams keeps its spacing where that is near enough.
+double Integrator::length_of_step(double until, double wish) const {
+  const double left = until - time_;
+  const auto share = [&](double most) {
+    return lands(scheme_) ? left / std::max(1.0, std::ceil(left / most - 1e-6)) : most;
+  };
+  if (scheme_ != adams) return share(wish);
+  const double h = adams_.spacing();
+  const bool fits = !lands(adams) || std::abs(std::round(left / h) * h - left) <= 1e-9 * h;
+  if (fits && h <= wish && h >= AdamsStep::kLeastSpacing * wish) return h;
+  return share(h > wish ? kConstants.safety * wish : wish);
+}
+
+/// Where a step of h ends that is one of equal ones to `until`, without rounding.
+double Integrator::end_of_step(double until, double h) const {
+  return lands(scheme_) && until - time_ < 1.5 * h ? until : time_ + h;
+}
+
+/// Where DOP853's step ends from which Adams's of h begin: as long as three of them, but never
+/// beyond `until`, since it is too long to be interpolated.
+double Integrator::end_of_start(double until, double h) const {
+  return 3 * h < (1 - 1e-9) * (until - time_) ? time_ + 3 * h : until;
+}
+
+// The state at a time within the last step.
+
+namespace {
+
+/// The state between two others, at the share s of the way that takes h, by Hermite's polynomial:
+/// of degree 3 or, with the accelerations at both, 5.
+template <bool kWithAccelerations>
+[[gnu::always_inline]] inline void hermite(std::size_t n, double h, double s,
+                                           const double* const (&first)[3],
+                                           const double* const (&last)[3], double* __restrict q,
+                                           double* __restrict rate) {
+  const double half = h * h / 2;
+  const double bump = s * s * (1 - s) * (1 - s), rise = 2 * s * (1 - s) * (1 - 2 * s);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double start = h * first[1][i], end = h * last[1][i], gone = last[0][i] - first[0][i];
+    const double c2 = 3 * gone - 2 * start - end, c3 = start + end - 2 * gone;
+    double place = first[0][i] + s * (start + s * (c2 + s * c3));
+    double way = start + s * (2 * c2 + s * 3 * c3);
+    if constexpr (kWithAccelerations) {
+      const double u = half * first[2][i] - c2, v = half * (last[2][i] - first[2][i]) - 3 * c3;
+      place += bump * (u + s * v);
+      way += rise * (u + s * v) + bump * v;
+    }
+    q[i] = place;
+    rate[i] = way / h;
+  }
+}
+
+TAUT_VECTOR_CLONES
+void cubic(std::size_t n, double h, double s, const double* const (&first)[3],
+           const double* const (&last)[3], double* q, double* rate) {
+  hermite<false>(n, h, s, first, last, q, rate);
+}
+
+TAUT_VECTOR_CLONES
+void quintic(std::size_t n, double h, double s, const double* const (&first)[3],
+             const double* const (&last)[3], double* q, double* rate) {
+  hermite<true>(n, h, s, first, last, q, rate);
+}
+
+}  // namespace
+
+/// The state at `time` within the last step, by Hermite's polynomial. Accelerations count in it
+/// where Adams follows every wave; the implicit scheme passes over them.
+void Integrator::interpolate(double time, const double* first_acceleration,
+                             const double* last_acceleration) {
+  const double h = time_ - before_, s = (time - before_) / h;
+  const double* const first[] = {q_before_.data(), rate_before_.data(), first_acceleration};
+  const double* const last[] = {q_.data(), rate_.data(), last_acceleration};
+  (first_acceleration ? quintic : cubic)(q_.size(), h, s, first, last, q_between_.data(),
+                                         rate_between_.data());
+  if (!system_.project(time, q_between_.data(), rate_between_.data())) throw StepTooSmall{time};
+  if (system_.projection_cost() > 0) fresh_ = false;  // that may have changed the tensions
+}
+
+// Its steps.
 
 void Integrator::advance(World& world, double until, Counters& counters) {
   system_.attach(world);

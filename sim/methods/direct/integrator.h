@@ -107,7 +107,7 @@ class Integrator {
   void try_next(Scheme next, double step);
   bool leave_plane(World& world);
 
-  // How far, how wrong and to where (step_length.cpp).
+  // How far, how wrong and to where.
   double stable_step(Scheme scheme) const;
   double asked_error() const;
   double allowed_error(Scheme scheme, double h) const;
@@ -117,7 +117,7 @@ class Integrator {
   double end_of_step(double until, double h) const;
   double end_of_start(double until, double h) const;
 
-  // Between two steps (interpolation.cpp).
+  // Between two steps.
   void interpolate(double time, const double* first_acceleration, const double* last_acceleration);
 
   Component component_;

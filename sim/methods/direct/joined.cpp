@@ -7,7 +7,7 @@
 #include "sim/material/forces.h"
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/schemes/dop853.h"
-#include "sim/methods/direct/system/scales.h"
+#include "sim/methods/direct/system/motion.h"
 #include "sim/motion/stop.h"
 #include "sim/topology/span.h"
 

@@ -10,7 +10,7 @@
 #include "sim/links/pulley_friction.h"
 #include "sim/links/tension.h"
 #include "sim/methods/direct/integrator.h"
-#include "sim/methods/direct/schemes/dop853_table.h"
+#include "sim/methods/direct/schemes/dop853.h"
 #include "sim/run/method.h"
 
 namespace taut::direct {

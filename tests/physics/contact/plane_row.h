@@ -1,7 +1,7 @@
 // A kind of row of its own: a particle that slides on a fixed plane.
 #pragma once
 
-#include "sim/methods/direct/system/constraint_row.h"
+#include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sim/methods/direct/system/constraint_row.h"
+#include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {
 

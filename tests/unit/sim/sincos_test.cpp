@@ -1,8 +1,8 @@
-#include "sim/methods/direct/system/sincos.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "sim/methods/direct/system/vector.h"
 
 namespace taut::direct {
 namespace {

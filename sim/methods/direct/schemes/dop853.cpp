@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/methods/direct/schemes/combine.h"
+#include "sim/methods/direct/schemes/arena.h"
 #include "sim/methods/direct/system/vector.h"
 
 namespace taut::direct {

@@ -5,11 +5,29 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/methods/direct/schemes/radau_tableau.h"
 #include "sim/methods/direct/system/elastic_system.h"
-#include "sim/methods/direct/system/rank_one.h"
+#include "sim/motion/types.h"
 
 namespace taut::direct {
+
+/// The coefficients of Radau IIA with three stages, of order 5.
+///
+/// Hairer and Wanner, Solving ODEs II, IV.5 and IV.8: with the inverse of the Runge-Kutta matrix
+/// brought to a real eigenvalue and a complex pair, a Newton iteration takes one real and one
+/// complex system of the size of the state.
+struct RadauTableau {
+  static const RadauTableau& get();
+
+  Vec3 node;      // of a stage, as a share of the step; the last is 1
+  Mat3 inverse;   // of the Runge-Kutta matrix
+  double real;    // the real eigenvalue of `inverse`
+  double re, im;  // one of the pair
+  /// inverse = to_stage diag(real, pair) from_stage: stages are to_stage times the transformed
+  /// ones, of which the second less i times the third belongs to re + i im.
+  Mat3 to_stage, from_stage;
+  /// Weights of the stages' differences from the start in an estimate of the error of order 3.
+  Vec3 error;
+};
 
 /// L-stable, so that what is stiffer than the step follows is damped, never left ringing; stiffly
 /// accurate, so that rigid links have their length at the end of a step; collocation, so that a

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "sim/methods/direct/schemes/combine.h"
+#include "sim/methods/direct/schemes/arena.h"
 #include "sim/methods/direct/system/vector.h"
 
 namespace taut::direct {

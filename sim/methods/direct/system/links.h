@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 
-#include "sim/methods/direct/system/sincos.h"
 #include "sim/methods/direct/system/vector.h"
 #include "sim/motion/plane.h"
 

@@ -2,15 +2,564 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+
+#include "sim/links/equimomental_link.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::direct {
 namespace {
+
+/// A link this short, as a share of all, counts as none.
+constexpr double kLeastLink = 1e-6;
+
+/// A centre of mass this near (in radii of gyration) to the point that a body hangs by is at it.
+constexpr double kLeastArm = 1e-6;
+
+struct Hanging {  // a body that only one span holds, by one point
+  Vec3 arm;       // m, from that point to the centre of mass, in the world's axes
+  bool alone = false;
+};
+
+Hanging hanging(const World& world, const Component& component, std::size_t body) {
+  Hanging found{Vec3::Zero()};
+  int ends = 0;
+  for (const SpanRange& span : component.spans) {
+    const Connector& connector = world.connectors[span.connector];
+    for (const std::size_t particle : {span.first, span.last}) {
+      const Hold* hold = find_hold(connector, particle);
+      if (!hold || hold->to.kind != Attachment::Kind::body || hold->to.body != body) continue;
+      ++ends;
+      found.arm = world.bodies[body].position - world.bodies[body].point(hold->to.point);
+    }
+  }
+  found.alone = ends == 1;
+  return found;
+}
 
 Quat quat(const double* c) {
   return {c[0], c[1], c[2], c[3]};
 }
 
+void put(double* c, const Quat& q) {
+  c[0] = q.w(), c[1] = q.x(), c[2] = q.y(), c[3] = q.z();
+}
+
 }  // namespace
+
+std::optional<Plane> PlaneFinder::find(const World& world, const Component& component, double time,
+                                       const Vec3& also) {
+  std::vector<Vec3>&vectors = vectors_, &hints = hints_;
+  std::size_t links = 0;
+  for (const SpanRange& span : component.spans) links += span.last - span.first;
+  reserve(links);
+  vectors.assign({world.gravity, also});
+  hints.clear();
+  for (const SpanRange& span : component.spans) {
+    const Connector& connector = world.connectors[span.connector];
+    for (std::size_t k = span.first; k < span.last; ++k) {
+      vectors.push_back(connector.position[k + 1] - connector.position[k]);
+      const Vec3 velocity = connector.velocity[k + 1] - connector.velocity[k];
+      if (!velocity.isZero(0)) vectors.push_back(velocity);
+    }
+    for (const std::size_t particle : {span.first, span.last}) {
+      const Hold* hold = find_hold(connector, particle);
+      if (!hold || !is_prescribed(world, hold->to)) continue;
+      vectors.push_back(hold_motion(world, hold->to, time).acceleration);
+      const Attachment& to = hold->to;
+      const Path* path = to.kind == Attachment::Kind::path   ? to.path.get()
+                         : to.kind == Attachment::Kind::body ? world.bodies[to.body].path.get()
+                                                             : nullptr;
+      if (!path) continue;
+      for (const PathKey& key : path->keys()) {
+        hints.push_back(key.position - path->keys().front().position);
+        if (!key.velocity.isZero(0)) hints.push_back(key.velocity);
+      }
+    }
+  }
+  for (const std::size_t b : component.bodies) {
+    const Hanging body = hanging(world, component, b);
+    const MassProperties& m = world.bodies[b].mass_properties;
+    const double radius = std::sqrt(m.inertia.trace() / (2 * m.mass));
+    if (!body.alone || !(body.arm.norm() > kLeastArm * radius)) return std::nullopt;
+    vectors.push_back(body.arm);
+  }
+  const std::optional<Plane> plane = common_plane(vectors, hints);
+  if (!plane) return std::nullopt;
+  for (const std::size_t b : component.bodies) {  // they must turn about the normal, and only so
+    const Body& body = world.bodies[b];
+    const Mat3 inertia = body.world_inertia();
+    const Vec3 twist = inertia * plane->normal;
+    const bool principal =
+        (twist - twist.dot(plane->normal) * plane->normal).norm() <= 1e-11 * inertia.norm();
+    const bool spins = body.spin.cross(plane->normal).norm() > 1e-11 * body.spin.norm();
+    if (!principal || spins) return std::nullopt;
+  }
+  return plane;
+}
+
+void System::reserve(std::size_t links, std::size_t ends) {
+  links_.reserve(links);
+  measured_.reserve(links);
+  point_mass_.reserve(links + ends);
+  points_.reserve(links + ends);
+  still_.reserve(3 * (links + kLanes) + 4 * ends + 2 * Links::kPad);
+  spans_.reserve(ends);
+  gaps_.reserve(ends);
+  ends_.reserve(ends);
+  body_ends_.reserve(ends);
+  members_.reserve(ends);
+  placed_.reserve(ends);
+  done_.reserve(ends);
+  body_links_.reserve(ends);
+  body_link_centres_.reserve(ends);
+  bodies_.reserve(ends);
+  centres_.reserve(ends);
+}
+
+void System::rebuild(const World& world, const Component& component,
+                     const std::optional<Plane>& plane,
+                     std::span<const ConstraintRow* const> rows) {
+  world_ = &world;
+  plane_ = plane;
+  left_plane_.reset();
+  members_.assign(component.bodies.begin(), component.bodies.end());
+  spans_.clear();
+  ends_.clear();
+  body_links_.clear();
+  bodies_.clear();
+  mass_ = 0;
+  for (const std::size_t b : component.bodies) {
+    const MassProperties& m = world.bodies[b].mass_properties;
+    mass_ += m.mass;
+    if (plane) {
+      BodyLink body_link;
+      body_link.body = b;
+      body_link.arm = hanging(world, component, b).arm.norm();
+      body_links_.push_back(body_link);
+    } else {
+      Part part;
+      part.body = b;
+      part.mass = m.mass;
+      part.inertia = m.inertia;
+      part.inverse_inertia = m.inertia.inverse();
+      bodies_.push_back(part);
+    }
+  }
+  order_spans(world, component.spans);
+  measure_links(world);
+  couple();
+  place_rows(rows);
+  cycles_ = count_cycles();
+}
+
+std::size_t System::member(std::size_t body) const {
+  return static_cast<std::size_t>(std::ranges::lower_bound(members_, body) - members_.begin());
+}
+
+void System::add_span(const World& world, const SpanRange& range, bool reversed) {
+  const Connector& connector = world.connectors[range.connector];
+  Span span;
+  span.range = range;
+  span.reversed = reversed;
+  span.offset = spans_.empty() ? 0 : spans_.back().offset + spans_.back().links;
+  span.links = range.last - range.first;
+  const auto body_link_at = [&](std::size_t particle) {
+    const Hold* hold = find_hold(connector, particle);
+    return hold && !is_prescribed(world, hold->to) ? body_link_of(hold->to.body) : kNone;
+  };
+  span.first_body_link = body_link_at(span.particle(0));
+  span.last_body_link = body_link_at(span.particle(range.last - range.first));
+  if (span.first_body_link != kNone) {
+    body_links_[span.first_body_link].link = span.offset;
+    body_links_[span.first_body_link].outward = -1;
+    ++span.links;
+  }
+  if (span.last_body_link != kNone) {
+    body_links_[span.last_body_link].link = span.offset + span.links;
+    body_links_[span.last_body_link].outward = 1;
+    ++span.links;
+  }
+  const auto end = [&](std::size_t particle, std::size_t link, double pull) {
+    const Hold* hold = find_hold(connector, particle);
+    if (!hold || body_link_at(particle) != kNone) return kNone;
+    End made;
+    made.link = link;
+    made.pull = pull;
+    made.to = hold->to;
+    if (!is_prescribed(world, hold->to)) {
+      made.body = part_of(hold->to.body);
+      made.local_arm = hold->to.point - world.bodies[hold->to.body].mass_properties.centre;
+      ++bodies_[made.body].ends;
+    }
+    ends_.push_back(made);
+    return ends_.size() - 1;
+  };
+  span.first = end(span.particle(0), span.offset, 1);
+  span.last = end(span.particle(range.last - range.first), span.offset + span.links - 1, -1);
+  spans_.push_back(span);
+}
+
+/// Walks from the prescribed holds (or, where there are none, from a body or a free end) along the
+/// spans, so that each span starts where one before it ended.
+void System::order_spans(const World& world, std::span<const SpanRange> ranges) {
+  std::vector<char>&placed = placed_, &done = done_;
+  placed.assign(bodies_.size(), 0);
+  done.assign(ranges.size(), 0);
+  enum class Place { free, known, unknown };
+  const auto place = [&](const SpanRange& range, std::size_t particle) {
+    const Hold* hold = find_hold(world.connectors[range.connector], particle);
+    if (!hold) return Place::free;
+    if (is_prescribed(world, hold->to)) return Place::known;
+    const std::size_t body = part_of(hold->to.body);
+    if (body == kNone) return Place::free;  // a link
+    return placed[body] ? Place::known : Place::unknown;
+  };
+  const auto take = [&](std::size_t s, bool reversed) {
+    const SpanRange& range = ranges[s];
+    const std::size_t far = reversed ? range.first : range.last;
+    const Place there = place(range, far);
+    add_span(world, range, reversed);
+    spans_.back().closes = there == Place::known;
+    if (there == Place::unknown) placed[ends_[spans_.back().last].body] = 1;
+    done[s] = 1;
+  };
+  const auto grow = [&] {
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t s = 0; s < ranges.size(); ++s) {
+        if (done[s]) continue;
+        const bool first = place(ranges[s], ranges[s].first) == Place::known;
+        const bool last = place(ranges[s], ranges[s].last) == Place::known;
+        if (!first && !last) continue;
+        take(s, !first);
+        more = true;
+      }
+    }
+  };
+  grow();
+  floats_ = spans_.empty();
+  if (!floats_) return;
+  if (!bodies_.empty()) {
+    placed[0] = 1;
+    grow();
+  } else {
+    take(0, false);
+  }
+}
+
+/// The length (m) of links that are so long together; where they are short beside the bodies that
+/// they hold, that of these.
+double System::scale_beside_bodies(const World& world, double links) const {
+  constexpr double kShort = 1e-3;
+  double bodies = 0;
+  for (const End& end : ends_) {
+    if (end.body == kNone) continue;
+    const MassProperties& m = world.bodies[bodies_[end.body].body].mass_properties;
+    bodies =
+        std::max(bodies, std::sqrt(end.local_arm.squaredNorm() + m.inertia.trace() / (2 * m.mass)));
+  }
+  return links > kShort * bodies ? links : bodies;
+}
+
+void System::measure_links(const World& world) {
+  std::vector<Links::Link>& links = measured_;
+  links.clear();
+  point_mass_.clear();
+  if (!spans_.empty()) {
+    const std::size_t count = spans_.back().offset + spans_.back().links;
+    links.reserve(count);
+    point_mass_.reserve(count + spans_.size());
+  }
+  length_ = 0;
+  for (const Span& span : spans_) {
+    const Connector& connector = world.connectors[span.range.connector];
+    const auto equimomental = [&](std::size_t body_link) {
+      const MassProperties& m = world.bodies[body_links_[body_link].body].mass_properties;
+      const Vec3 normal =
+          world.bodies[body_links_[body_link].body].rotation.conjugate() * plane_->normal;
+      return EquimomentalLink(m.mass, normal.dot(m.inertia * normal), body_links_[body_link].arm);
+    };
+    if (span.first_body_link != kNone) {
+      point_mass_.push_back(equimomental(span.first_body_link).far);
+      links.push_back({.rest = equimomental(span.first_body_link).length});
+    }
+    for (std::size_t k = 0; k < span.particles(); ++k) {
+      const bool first = k == 0, last = k + 1 == span.particles();
+      double mass = connector.particle_mass[span.particle(k)];
+      if ((first && span.first != kNone) || (last && span.last != kNone)) mass = 0;  // held
+      if (first && span.first_body_link != kNone) mass = equimomental(span.first_body_link).tip;
+      if (last && span.last_body_link != kNone) mass = equimomental(span.last_body_link).tip;
+      point_mass_.push_back(mass);
+      const bool body_link =
+          (first && span.first_body_link != kNone) || (last && span.last_body_link != kNone);
+      if (!body_link) mass_ += mass;
+      if (!last) {
+        links.push_back({.rest = connector.rest[std::min(span.particle(k), span.particle(k + 1))]});
+      }
+    }
+    if (span.last_body_link != kNone) {
+      point_mass_.push_back(equimomental(span.last_body_link).far);
+      links.push_back({.rest = equimomental(span.last_body_link).length});
+    }
+  }
+  std::size_t p = 0;
+  for (const Span& span : spans_) {
+    const double least = kLeastMassShare * (mass_ > 0 ? mass_ : 1);
+    const auto inverse_mass = [&](std::size_t k) {
+      const bool held = (k == 0 && span.first != kNone) || (k == span.links && span.last != kNone);
+      return held ? 0 : 1 / std::max(point_mass_[p + k], least);
+    };
+    for (std::size_t k = 0; k < span.links; ++k) {
+      Links::Link& link = links[span.offset + k];
+      link.inverse_mass_first = inverse_mass(k);
+      link.inverse_mass_second = inverse_mass(k + 1);
+      link.shares_second = k + 1 < span.links;
+      length_ += link.rest;
+    }
+    p += span.links + 1;
+  }
+  for (const End& end : ends_) {
+    if (end.body != kNone) links[end.link].end += 1 / bodies_[end.body].mass;
+  }
+  length_ = scale_beside_bodies(world, length_);
+  velocity_time_ = velocity_time_of(length_);
+  // Pins may leave links without length; a body alone has none.
+  shortest_ = links.empty() ? 1 : length_;
+  for (const Links::Link& link : links) {
+    if (link.rest > kLeastLink * length_) shortest_ = std::min(shortest_, link.rest);
+  }
+  // Cauchy's and Schwarz's inequality for the sums in displacement().
+  double squares = 0;
+  std::size_t count = bodies_.size();
+  for (const Span& span : spans_) {
+    count += span.links;
+    for (std::size_t k = 0; k < span.links; ++k) {
+      const double rest = links[span.offset + k].rest;
+      squares += static_cast<double>(span.links - k) * rest * rest;
+    }
+  }
+  for (const Part& part : bodies_) {
+    squares = std::max(squares, 2 * part.inertia.trace() / part.mass);
+  }
+  displacement_factor_ = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(count, 1)));
+  links_.rebuild(links, plane_);
+  points_.assign(point_mass_.size(), {});
+  centres_.assign(bodies_.size(), {});
+  body_link_centres_.assign(body_links_.size(), {});
+  loops_ = std::ranges::any_of(spans_, &Span::closes);
+  gaps_.assign(spans_.size(), {});
+  still_.assign(size(), 0.0);
+}
+
+void System::couple() {
+  body_ends_.clear();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    bodies_[b].first_end = body_ends_.size();
+    for (std::size_t e = 0; e < ends_.size(); ++e) {
+      if (ends_[e].body == b) body_ends_.push_back(e);
+    }
+  }
+  coupled_.clear();
+  couplings_.clear();
+  const auto row = [&](std::size_t link) {
+    const auto found = std::ranges::find(coupled_, link);
+    if (found == coupled_.end()) {
+      coupled_.push_back(link);
+      return coupled_.size() - 1;
+    }
+    return static_cast<std::size_t>(found - coupled_.begin());
+  };
+  for (const Part& part : bodies_) {
+    for (const std::size_t a : ends_of(part)) {
+      for (const std::size_t b : ends_of(part)) {
+        if (a != b) couplings_.push_back({a, b, row(ends_[a].link), row(ends_[b].link)});
+      }
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(coupled_.size());
+  response_.resize(links_.count() * coupled_.size());
+  dense_.resize(n, n);
+  gain_.resize(n, n);
+  dense_right_.resize(n);
+}
+
+// The state of a system: to and from the world.
+
+void System::load(const World& world, double time, double* q, double* rate) {
+  attach(world);
+  left_plane_.reset();
+  loaded_at_ = time;
+  std::fill_n(q, size(), 0.0);
+  std::fill_n(rate, size(), 0.0);
+  const auto set = [&](std::size_t link, const Vec3& u, const Vec3& turn) {
+    links_.point(link, u, turn - u.dot(turn) * u, q, rate);
+  };
+  for (const Span& span : spans_) {
+    const Connector& connector = world.connectors[span.range.connector];
+    Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized()
+             : plane_                 ? plane_->x
+                                      : Vec3::UnitX();
+    const std::size_t offset = span.offset + (span.first_body_link != kNone ? 1 : 0);
+    for (std::size_t k = 0; k + 1 < span.particles(); ++k) {
+      const std::size_t i = offset + k, a = span.particle(k), b = span.particle(k + 1);
+      const Vec3 gap = connector.position[b] - connector.position[a];
+      // Particles that coincide say nothing of the link between them: it goes on like the last.
+      if (gap.norm() > 1e-9 * links_.rest(i)) u = gap.normalized();
+      set(i, u, links_.inverse_rest(i) * (connector.velocity[b] - connector.velocity[a]));
+    }
+    for (const std::size_t b : {span.first_body_link, span.last_body_link}) {
+      if (b == kNone) continue;
+      BodyLink& body_link = body_links_[b];
+      const Body& body = world.bodies[body_link.body];
+      const std::size_t tip = span.particle(body_link.outward < 0 ? 0 : span.particles() - 1);
+      body_link.direction = (body.position - connector.position[tip]).normalized();
+      body_link.rotation = body.rotation;
+      set(body_link.link, body_link.outward * body_link.direction,
+          body_link.outward * body.spin.cross(body_link.direction));
+    }
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = world.bodies[bodies_[b].body];
+    put(q + quaternion(b), body.rotation);
+    put(rate + quaternion(b), quaternion_rate(body.spin, body.rotation));
+  }
+  if (!floats_) return;
+
+  centre_ = {};
+  for (const std::size_t b : members_) {
+    const Body& body = world.bodies[b];
+    centre_.position += body.mass_properties.mass / mass_ * body.position;
+    centre_.velocity += body.mass_properties.mass / mass_ * body.velocity;
+  }
+  for (const Span& span : spans_) {
+    const Connector& connector = world.connectors[span.range.connector];
+    for (std::size_t k = 0; k < span.particles(); ++k) {
+      const std::size_t particle = span.particle(k);
+      if (find_hold(connector, particle)) continue;
+      centre_.position += connector.particle_mass[particle] / mass_ * connector.position[particle];
+      centre_.velocity += connector.particle_mass[particle] / mass_ * connector.velocity[particle];
+    }
+  }
+  place(time, q, rate);
+  spin_momentum_ = rotary(time).momentum;
+}
+
+std::size_t System::first_link(std::size_t connector) const {
+  const auto found = std::ranges::find_if(
+      spans_, [&](const Span& span) { return span.range.connector == connector; });
+  return found->offset;
+}
+
+/// Where what holds an end has it.
+Point System::place_of(const End& end, double time) const {
+  if (end.body == kNone) {
+    const PointMotion motion = hold_motion(*world_, end.to, time);
+    return {motion.position, motion.velocity};
+  }
+  return {centres_[end.body].position + end.arm,
+          centres_[end.body].velocity + bodies_[end.body].spin.cross(end.arm)};
+}
+
+/// Fills points_, centres_ and body_link_centres_: everything's place and velocity at `time`.
+void System::place(double time, const double* q, const double* rate) {
+  turn_bodies(q, rate);
+  if (floats_ && !bodies_.empty()) centres_[0] = {};
+  std::size_t p = 0;
+  for (const Span& span : spans_) {
+    points_[p] = span.first == kNone ? Point() : place_of(ends_[span.first], time);
+    links_.lay(q, rate, span.offset, span.links, points_[p], &points_[p + 1]);
+    p += span.links + 1;
+    const Point& point = points_[p - 1];
+    if (!span.closes && span.last != kNone) {  // the body hangs from here
+      const End& end = ends_[span.last];
+      centres_[end.body] = {point.position - end.arm,
+                            point.velocity - bodies_[end.body].spin.cross(end.arm)};
+    }
+  }
+  if (floats_) float_to(time);
+  place_bars(q, rate);
+}
+
+void System::place_bars(const double* q, const double* rate) {
+  std::size_t p = 0;
+  for (const Span& span : spans_) {
+    for (const std::size_t b : {span.first_body_link, span.last_body_link}) {
+      if (b == kNone) continue;
+      const BodyLink& body_link = body_links_[b];
+      const Point& tip = points_[p + (body_link.outward < 0 ? 1 : span.links - 1)];
+      const double offset = body_link.outward * body_link.arm;
+      body_link_centres_[b] = {tip.position + offset * links_.direction(q, body_link.link),
+                               tip.velocity + offset * links_.turn(q, rate, body_link.link)};
+    }
+    p += span.links + 1;
+  }
+}
+
+Point System::centre(double time) const {
+  const double t = time - loaded_at_;
+  return {centre_.position + t * centre_.velocity + t * t / 2 * world_->gravity,
+          centre_.velocity + t * world_->gravity};
+}
+
+/// Shifts everything so that the centre of mass is on its parabola.
+void System::float_to(double time) {
+  Point sum;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    sum.position += bodies_[b].mass * centres_[b].position;
+    sum.velocity += bodies_[b].mass * centres_[b].velocity;
+  }
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    sum.position += point_mass_[k] * points_[k].position;
+    sum.velocity += point_mass_[k] * points_[k].velocity;
+  }
+  const Point goal = centre(time);
+  const Vec3 shift = goal.position - sum.position / mass_;
+  const Vec3 push = goal.velocity - sum.velocity / mass_;
+  for (Point& point : points_) point = {point.position + shift, point.velocity + push};
+  for (Point& point : centres_) point = {point.position + shift, point.velocity + push};
+}
+
+void System::store(World& world, const double* q, const double* rate) {
+  attach(world);
+  place(world.time, q, rate);
+  std::size_t p = 0;
+  for (const Span& span : spans_) {
+    Connector& connector = world.connectors[span.range.connector];
+    const std::size_t first = p + (span.first_body_link != kNone ? 1 : 0);
+    // Prescribed particles have been placed; links lead there but for rounding.
+    const auto is_placed = [&](std::size_t end) {
+      return end != kNone && ends_[end].body == kNone;
+    };
+    const std::size_t begin = is_placed(span.first) ? 1 : 0;
+    const std::size_t end = span.particles() - (is_placed(span.last) ? 1 : 0);
+    for (std::size_t k = begin; k < end; ++k) {
+      connector.position[span.particle(k)] = points_[first + k].position;
+      connector.velocity[span.particle(k)] = points_[first + k].velocity;
+    }
+    p += span.links + 1;
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& body = world.bodies[bodies_[b].body];
+    body.position = centres_[b].position;
+    body.velocity = centres_[b].velocity;
+    body.rotation = quat(q + quaternion(b));
+    body.spin = bodies_[b].spin;
+  }
+  for (std::size_t b = 0; b < body_links_.size(); ++b) {
+    const BodyLink& body_link = body_links_[b];
+    Body& body = world.bodies[body_link.body];
+    const Vec3 now = body_link.outward * links_.direction(q, body_link.link);
+    const double angle = std::atan2(body_link.direction.cross(now).dot(plane_->normal),
+                                    body_link.direction.dot(now));
+    body.position = body_link_centres_[b].position;
+    body.velocity = body_link_centres_[b].velocity;
+    body.rotation = Quat(Eigen::AngleAxisd(angle, plane_->normal)) * body_link.rotation;
+    body.spin = now.cross(body_link.outward * links_.turn(q, rate, body_link.link));
+  }
+}
+
+// The tensions, and the accelerations under them.
 
 /// How the bodies lie and spin.
 void System::turn_bodies(const double* q, const double* rate) {
@@ -61,38 +610,6 @@ void System::add_ends(const double* q) {
     links_.set_end(end.link, end.pull > 0,
                    1 / part.mass + turn.dot(part.world_inverse_inertia * turn));
   }
-}
-
-void System::couple() {
-  body_ends_.clear();
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    bodies_[b].first_end = body_ends_.size();
-    for (std::size_t e = 0; e < ends_.size(); ++e) {
-      if (ends_[e].body == b) body_ends_.push_back(e);
-    }
-  }
-  coupled_.clear();
-  couplings_.clear();
-  const auto row = [&](std::size_t link) {
-    const auto found = std::ranges::find(coupled_, link);
-    if (found == coupled_.end()) {
-      coupled_.push_back(link);
-      return coupled_.size() - 1;
-    }
-    return static_cast<std::size_t>(found - coupled_.begin());
-  };
-  for (const Part& part : bodies_) {
-    for (const std::size_t a : ends_of(part)) {
-      for (const std::size_t b : ends_of(part)) {
-        if (a != b) couplings_.push_back({a, b, row(ends_[a].link), row(ends_[b].link)});
-      }
-    }
-  }
-  const auto n = static_cast<Eigen::Index>(coupled_.size());
-  response_.resize(links_.count() * coupled_.size());
-  dense_.resize(n, n);
-  gain_.resize(n, n);
-  dense_right_.resize(n);
 }
 
 /// Bodies that several links hold add E Q E' to the tridiagonal A, E the columns of the unit
@@ -245,6 +762,324 @@ void System::factor(double sigma_squared) {
 void System::solve_factored(double* x) const {
   links_.solve_factored(x);
   for (std::size_t k = quaternion(0); k < quaternion(bodies_.size()); ++k) x[k] /= factored_sigma_;
+}
+
+// Rows that border the tensions' system.
+
+/// Finds the points of the rows and the links that meet there.
+void System::place_rows(std::span<const ConstraintRow* const> rows) {
+  rows_.clear();
+  terms_.clear();
+  if (rows.empty()) return;
+  for (const ConstraintRow* row : rows) {
+    if (floats_) throw std::invalid_argument("a row needs a component that something holds");
+    rows_.push_back({.row = row, .first_term = terms_.size(), .value = {}});
+    for (const ConstraintRow::Particle& particle : row->particles()) {
+      terms_.push_back(term_of(particle));
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(rows_.size());
+  row_gains_.resize(count, count);
+  row_rights_.resize(count);
+  row_responses_.resize(links_.count() * (rows_.size() + 1));
+}
+
+System::RowTerm System::term_of(const ConstraintRow::Particle& particle) const {
+  std::size_t p = 0;
+  for (const Span& span : spans_) {
+    const SpanRange& range = span.range;
+    if (range.connector == particle.connector && range.first <= particle.index &&
+        particle.index <= range.last) {
+      const std::size_t k =
+          (span.reversed ? range.last - particle.index : particle.index - range.first) +
+          (span.first_body_link == kNone ? 0 : 1);
+      RowTerm term{.point = p + k};
+      if (k == 0) term.end = span.first;
+      if (k == span.links) term.end = span.last;
+      if (k > 0) term.before = span.offset + k - 1;
+      if (k < span.links) term.after = span.offset + k;
+      if (term.end != kNone && ends_[term.end].body != kNone) {
+        throw std::invalid_argument("a row speaks of particles, none of them on a free body");
+      }
+      term.inverse_mass = term.before == kNone ? measured_[term.after].inverse_mass_first
+                                               : measured_[term.before].inverse_mass_second;
+      return term;
+    }
+    p += span.links + 1;
+  }
+  throw std::invalid_argument("a row speaks of a particle that its component has not");
+}
+
+/// How the rows stand; points_ are up to date.
+void System::evaluate_rows(double time) {
+  for (Bordered& bordered : rows_) {
+    const std::size_t count = bordered.row->particles().size();
+    row_points_.resize(count);
+    row_gradients_.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      row_points_[k] = points_[terms_[bordered.first_term + k].point];
+    }
+    bordered.value = bordered.row->evaluate(time, row_points_, row_gradients_);
+    for (std::size_t k = 0; k < count; ++k) {
+      terms_[bordered.first_term + k].gradient = row_gradients_[k];
+    }
+  }
+}
+
+/// By how much (m/s^2) the tensions T bring the particles of a row together along its gradient:
+/// B'T, with B_i = w u_i . n for the link before a particle of inverse mass w, B_j = -w u_j . n for
+/// the one behind.
+template <typename Visit>
+void System::each_entry(const double* q, const Bordered& bordered, Visit visit) const {
+  for (std::size_t k = 0; k < bordered.row->particles().size(); ++k) {
+    const RowTerm& term = terms_[bordered.first_term + k];
+    const double w = term.inverse_mass;
+    if (w == 0) continue;
+    if (term.before != kNone) {
+      const Vec3 u = links_.direction(q, term.before);
+      visit(term.before, w * u.dot(term.gradient), u, w * term.gradient);
+    }
+    if (term.after != kNone) {
+      const Vec3 u = links_.direction(q, term.after);
+      visit(term.after, -w * u.dot(term.gradient), u, -w * term.gradient);
+    }
+  }
+}
+
+/// Solves A T = r + B y, C y - B'T = s for tensions T and multipliers y, r being the right side of
+/// the links and s that of the rows: (C - B'A^-1 B) y = s + B'A^-1 r.
+void System::solve_with_rows(const double* q) {
+  const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
+  const std::size_t links = links_.count();
+  const auto response = [&](std::size_t k) { return row_responses_.data() + k * links; };
+  const auto pulled = [&](const Bordered& bordered) {
+    double sum = 0;
+    each_entry(q, bordered, [&](std::size_t link, double entry, const Vec3&, const Vec3&) {
+      sum += entry * links_.tension(link);
+    });
+    return sum;
+  };
+  solve_tensions();
+  for (std::size_t k = 0; k < rows_.size(); ++k)
+    row_rights_[at(k)] = rows_[k].right + pulled(rows_[k]);
+  double* without = response(rows_.size());
+  std::ranges::copy(links_.unknowns(), without);
+  for (std::size_t c = 0; c < rows_.size(); ++c) {
+    links_.clear_right();
+    each_entry(q, rows_[c], [&](std::size_t link, double entry, const Vec3&, const Vec3&) {
+      links_.add_right(link, entry);
+    });
+    solve_tensions();
+    std::ranges::copy(links_.unknowns(), response(c));
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      row_gains_(at(r), at(c)) = mobility(r, c) - pulled(rows_[r]);
+  }
+  row_solver_.compute(row_gains_);
+  const Eigen::VectorXd multipliers = row_solver_.solve(row_rights_);
+  std::copy_n(without, links, links_.unknowns().begin());
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    rows_[k].multiplier = multipliers[at(k)];
+    links_.add_response(response(k), multipliers[at(k)]);
+  }
+}
+
+/// The response along one row's gradient to a unit force along another's, 1/kg.
+double System::mobility(std::size_t a, std::size_t b) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < rows_[a].row->particles().size(); ++i) {
+    for (std::size_t j = 0; j < rows_[b].row->particles().size(); ++j) {
+      const RowTerm &one = terms_[rows_[a].first_term + i],
+                    &other = terms_[rows_[b].first_term + j];
+      if (one.point == other.point) sum += one.inverse_mass * one.gradient.dot(other.gradient);
+    }
+  }
+  return sum;
+}
+
+/// Leaves to the rows what of g'' no multiplier causes.
+void System::lead_rows() {
+  for (Bordered& bordered : rows_) {
+    bordered.right = -bordered.value.velocity_term;
+    for (std::size_t k = 0; k < bordered.row->particles().size(); ++k) {
+      const RowTerm& term = terms_[bordered.first_term + k];
+      Vec3 acceleration = world_->gravity;
+      if (term.end != kNone) acceleration += ends_[term.end].free_acceleration;
+      bordered.right -= term.gradient.dot(acceleration);
+    }
+  }
+}
+
+/// The rows' own forces on the particles.
+void System::push_rows(const double* q, double* out) const {
+  for (const Bordered& bordered : rows_) {
+    each_entry(q, bordered, [&](std::size_t link, double, const Vec3& u, const Vec3& push) {
+      links_.add(link, u, links_.inverse_rest(link) * bordered.multiplier * push, out);
+    });
+  }
+}
+
+// The state of a system back to where its constraints and its momentum have it, and how far a
+// change of state moves what it is the state of.
+
+namespace {
+
+/// The rotation rate that gives `momentum`, least where the inertia leaves a choice (a straight
+/// chain about its own line).
+Vec3 spin_for(const Mat3& inertia, const Vec3& momentum) {
+  const auto [moments, axes] = principal_axes(inertia);
+  Vec3 spin = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 axis = axes.col(k);
+    if (moments[k] > 1e-9 * moments[2]) spin += axis.dot(momentum) / moments[k] * axis;
+  }
+  return spin;
+}
+
+Mat3 point_inertia(double mass, const Vec3& r) {
+  return mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+}
+
+}  // namespace
+
+bool System::project(double time, double* q, double* rate) {
+  unit(q, rate);
+  if ((loops_ || !rows_.empty()) && !close(time, q, rate)) return false;
+  if (floats_) restore_momentum(time, q, rate);
+  return true;
+}
+
+void System::unit(double* q, double* rate) const {
+  links_.normalise(q, rate);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Eigen::Map<Eigen::Vector4d> p(q + quaternion(b)), r(rate + quaternion(b));
+    p.normalize();
+    r -= p.dot(r) * p;
+  }
+}
+
+/// How far the last points of the spans that close loops are from their places, in gaps_, and how
+/// the rows stand; returns the largest gap of place (m).
+double System::measure_gaps(double time, const double* q, const double* rate) {
+  place(time, q, rate);
+  double largest = 0;
+  std::size_t p = 0;
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    const Span& span = spans_[s];
+    p += span.links + 1;
+    if (!span.closes) continue;
+    const Point goal = place_of(ends_[span.last], time);
+    gaps_[s] = {goal.position - points_[p - 1].position, goal.velocity - points_[p - 1].velocity};
+    largest = std::max(largest, gaps_[s].position.norm());
+  }
+  evaluate_rows(time);
+  for (const Bordered& bordered : rows_) largest = std::max(largest, std::abs(bordered.value.gap));
+  return largest;
+}
+
+/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths
+/// and the rows: impulses along the links and the rows' gradients, by the system of the tensions.
+/// Adds both to `array` (q or its rate).
+void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off,
+                    double* array) {
+  std::fill(still_.begin(), still_.end(), 0.0);
+  turn_bodies(q, still_.data());
+  lead_bodies();
+  for (End& end : ends_) end.free_acceleration = Vec3::Zero();
+  for (Bordered& bordered : rows_) bordered.right = -(bordered.value.*off);
+  links_.assemble(q, still_.data());
+  add_ends(q);
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    if (!spans_[s].closes) continue;
+    const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
+    for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
+      links_.add_right(i, links_.direction(q, i).dot(share));
+    }
+  }
+  respond(q, still_.data());
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    if (!spans_[s].closes) continue;
+    const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
+    for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
+      links_.add(i, links_.direction(q, i), links_.inverse_rest(i) * share, still_.data());
+    }
+  }
+  for (std::size_t k = 0; k < size(); ++k) array[k] += still_[k];
+}
+
+/// Closes the loops, and mends the rows, that an integrator's error has opened. Each round leaves
+/// the square of the gap, or a quarter of it where links are straight. False where the places are
+/// out of reach, or the state too far from one whose loops are closed.
+bool System::close(double time, double* q, double* rate) {
+  constexpr int kRounds = 24;        // quarters of the length that leave kOpen
+  constexpr double kClosed = 1e-14;  // of the system's length, roundings
+  constexpr double kOpen = 1e-11;    // of it, more than roundings of any closed loop
+  double gap = measure_gaps(time, q, rate);
+  for (int round = 0; round < kRounds && gap > kClosed * length_; ++round) {
+    spread(q, &Point::position, &ConstraintRow::Value::gap, q);
+    unit(q, rate);
+    gap = measure_gaps(time, q, rate);
+  }
+  if (!(gap <= kOpen * length_)) return false;
+  spread(q, &Point::velocity, &ConstraintRow::Value::rate, rate);
+  unit(q, rate);
+  return true;
+}
+
+/// Angular momentum and inertia about the centre of mass; points_ and centres_ are up to date.
+System::Rotary System::rotary(double time) const {
+  const Point mean = centre(time);
+  Rotary sum;
+  const auto count = [&](double mass, const Point& point) {
+    const Vec3 r = point.position - mean.position;
+    sum.momentum += mass * r.cross(point.velocity - mean.velocity);
+    sum.inertia += point_inertia(mass, r);
+  };
+  for (std::size_t k = 0; k < points_.size(); ++k) count(point_mass_[k], points_[k]);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Part& part = bodies_[b];
+    count(part.mass, centres_[b]);
+    const Mat3 own = part.rotation * part.inertia * part.rotation.transpose();
+    sum.momentum += own * part.spin;
+    sum.inertia += own;
+  }
+  return sum;
+}
+
+/// Gives a floating system its angular momentum back by one rigid rotation.
+void System::restore_momentum(double time, double* q, double* rate) {
+  place(time, q, rate);
+  const Rotary now = rotary(time);
+  const Vec3 spin = spin_for(now.inertia, spin_momentum_ - now.momentum);
+  for (std::size_t i = 0; i < links_.count(); ++i) {
+    const Vec3 u = links_.direction(q, i);
+    links_.add(i, u, spin.cross(u), rate);
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Quat turn = quaternion_rate(spin, quat(q + quaternion(b)));
+    double* r = rate + quaternion(b);
+    r[0] += turn.w(), r[1] += turn.x(), r[2] += turn.y(), r[3] += turn.z();
+  }
+}
+
+double System::projection_cost() const {
+  return loops_ || !rows_.empty() ? 6 : floats_ ? 1.5 : plane_ ? 0 : 0.2;  // measured
+}
+
+double System::displacement(const double* change) const {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Span& span : spans_) {
+    sum += links_.displacement(change, span.offset, span.links);
+    count += span.links;
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Part& part = bodies_[b];
+    double turn = 0;
+    for (std::size_t c = quaternion(b); c < quaternion(b) + 4; ++c) turn += change[c] * change[c];
+    sum += 4 * turn * part.inertia.trace() / (2 * part.mass);
+    ++count;
+  }
+  return std::sqrt(sum / static_cast<double>(count));
 }
 
 }  // namespace taut::direct

@@ -1,4 +1,5 @@
-// The system that the direct method steps: spans and free bodies that pull on each other.
+// The system that the direct method steps: spans and free bodies that pull on each other, and
+// conditions on it that are no links of it.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,6 @@
 #include <vector>
 
 #include "sim/links/linear_systems.h"
-#include "sim/methods/direct/system/constraint_row.h"
 #include "sim/methods/direct/system/links.h"
 #include "sim/methods/direct/system/motion.h"
 #include "sim/motion/plane.h"
@@ -15,6 +15,33 @@
 #include "sim/world/world.h"
 
 namespace taut::direct {
+
+/// A condition g(x, t) = 0 on the places x of a few particles of one component, g in metres. One
+/// multiplier keeps it: a force on each of those particles, along the gradient of g by its place. A
+/// kind of row is a class of its own; systems know nothing else of it.
+///
+/// Rows join and leave at any instant (Integrator::set_rows()). A joining row's violation by
+/// velocities is removed by one impulse along its gradient, as in an inelastic impact; its
+/// violation by places is mended as the mass matrix weighs it. Rows that contradict each other or
+/// the links end in steps that become too small.
+class ConstraintRow {
+ public:
+  struct Particle {
+    std::size_t connector = 0, index = 0;
+  };
+  struct Value {
+    double gap = 0;            // m: g
+    double rate = 0;           // m/s: g'
+    double velocity_term = 0;  // m/s^2: g'' where no particle accelerates
+  };
+  virtual ~ConstraintRow() = default;
+
+  /// Each free or held by a point whose motion is known.
+  virtual std::span<const Particle> particles() const = 0;
+  /// Writes the gradient by the place of each of those particles, which are at `points` at `time`.
+  virtual Value evaluate(double time, std::span<const Point> points,
+                         std::span<Vec3> gradient) const = 0;
+};
 
 /// The motion of a component. Coordinates: the unit directions u of all links (in a plane their
 /// angles), then the unit quaternions (w x y z) of the bodies. For link i of length l between the
@@ -26,7 +53,7 @@ namespace taut::direct {
 /// known; that of a body's point r from its centre is g + W x (W x r) + W' x r + F/M. Every tension
 /// meets only those of the neighbouring links and of the links at its bodies: one symmetric
 /// tridiagonal system for all spans, and a small dense one for bodies that several links hold.
-/// Conditions that links do not make (see Row) border it with their multipliers.
+/// Conditions that links do not make (see ConstraintRow) border it with their multipliers.
 ///
 /// In a plane a component is one span, and bodies that hang by one point are links.
 class System : public Motion {
@@ -140,14 +167,14 @@ class System : public Motion {
     Mat3 inertia = Mat3::Zero();   // kg m^2
   };
 
-  // Building (system_build.cpp).
+  // Building.
   void add_span(const World& world, const SpanRange& range, bool reversed);
   void order_spans(const World& world, std::span<const SpanRange> ranges);
   double scale_beside_bodies(const World& world, double links) const;
   void measure_links(const World& world);
   void couple();
 
-  // The tensions' system (system.cpp).
+  // The tensions' system.
   void turn_bodies(const double* q, const double* rate);
   void lead_bodies();
   void read_holds(double time);
@@ -159,7 +186,7 @@ class System : public Motion {
   void clear_ends(double* array) const;
   double count_cycles() const;
 
-  // Rows (system_rows.cpp).
+  // Rows.
   void place_rows(std::span<const ConstraintRow* const> rows);
   RowTerm term_of(const ConstraintRow::Particle& particle) const;
   void evaluate_rows(double time);
@@ -170,9 +197,9 @@ class System : public Motion {
   double mobility(std::size_t a, std::size_t b) const;
   void push_rows(const double* q, double* out) const;
 
-  // The state (system_state.cpp, system_projection.cpp).
+  // The state.
   void place(double time, const double* q, const double* rate);
-  Point start_of(const Span& span, double time) const;
+  Point place_of(const End& end, double time) const;
   void place_bars(const double* q, const double* rate);
   Point centre(double time) const;
   void float_to(double time);
