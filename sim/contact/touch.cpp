@@ -265,22 +265,4 @@ Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
   return best.response;
 }
 
-Mat3 response_to_turning(const Vec3& free, const Touch& touch, const Mat3& normal,
-                         const Vec3& least, double creep) {
-  const Vec3& n = touch.normal;
-  const Vec3 past = without(free, touch) - touch.surface;
-  const Vec3 slip = past - n * n.dot(past);
-  const Mat3 slips = -normal * n.dot(past) - n * (past.transpose() * normal);
-  const Mat3 carried = n * least.transpose() + normal * (touch.least - n.dot(touch.surface)) -
-                       n * (touch.surface.transpose() * normal);
-  if (touch.state == Touch::State::open) return Mat3::Zero();
-  if (touch.state == Touch::State::sticks) return carried + creep / (1 + creep) * slips;
-  const double speed = slip.norm();
-  const Vec3 ahead = slip / speed;
-  if (!(touch.slide * touch.push < speed)) return carried;
-  const Vec3 pushes = least - normal.transpose() * without(free, touch);
-  const Mat3 turns = (Mat3::Identity() - ahead * ahead.transpose()) * slips / speed;
-  return carried + slips - touch.slide * (ahead * pushes.transpose() + touch.push * turns);
-}
-
 }  // namespace taut::contact

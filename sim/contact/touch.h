@@ -55,43 +55,10 @@ struct Response {
 /// always move it differently, be it by rounding alone.
 Response respond(const Vec3& free, std::span<Touch> touches, double creep = 0);
 
-/// How the velocity of a bead changes as the normal and the least velocity of its one closed touch
-/// do; `normal` and `least` are their derivatives by anything in three dimensions.
-Mat3 response_to_turning(const Vec3& free, const Touch& touch, const Mat3& normal,
-                         const Vec3& least, double creep);
-
-// Friction that is approached from a viscous one, and by Newton's method.
+// Newton's method.
 
 /// The creep of what sticks, see respond().
 inline constexpr double kCreep = 1e-14;
-
-/// A homotopy: solves with viscous friction first, then with less and less creep, as fast as
-/// solutions lead to each other. `solve` takes a creep, begins at what it found last, and says
-/// whether it found a solution; `keep` and `restore` remember that and return to it. Returns the
-/// least creep with a solution, which `solve` found last; infinite where there is none.
-template <typename Solve, typename Keep, typename Restore>
-double approach_friction(const Solve& solve, const Keep& keep, const Restore& restore) {
-  constexpr double kViscous = 1e4;             // friction that hardly matters
-  constexpr double kLeap = 100, kLeast = 1.5;  // from one creep to the next
-  double creep = kViscous, factor = kLeap;
-  if (!solve(creep)) return std::numeric_limits<double>::infinity();
-  while (creep > kCreep) {
-    const double next = std::max(creep / factor, kCreep);
-    keep();
-    if (solve(next)) {
-      creep = next;
-      factor = std::min(factor * factor, kLeap);
-      continue;
-    }
-    restore();
-    factor = std::sqrt(factor);
-    if (factor < kLeast) {
-      solve(creep);
-      break;
-    }
-  }
-  return creep;
-}
 
 inline constexpr int kIterations = 80;  // of Newton's method, at most
 

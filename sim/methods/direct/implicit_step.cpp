@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/contact/restitution.h"
+#include "sim/contact/touch.h"
 #include "sim/material/elements.h"
 #include "sim/motion/rotation.h"
 #include "sim/motion/stop.h"
@@ -552,7 +552,7 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
           problem.forces && contact.sticks && of.stick != of.slide && friction_share_ == 1;
       const double friction = friction_share_ * (contact.sticks ? of.stick : of.slide);
       const bool frozen = problem.forces && sliding && u.dot(contact.slip) <= 0;
-      const Vec3 z = pt - u;
+      const Vec3 z = (pt - u) / (1 + creep_);
       const double size = z.norm(), bound = held ? 2 * size + 1 : friction * std::max(pn, 0.0);
       out = law.value * n;
       by_p = (law.by_p + (law.by_w > 0 ? kProximal : 0)) * along;
@@ -570,9 +570,9 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
         by_p += across - by_z - by_pn * (1 / m - b * m_b / (m * m)) * z * n.transpose();
         by_v += by_z;
       } else if (stuck) {
-        out += u;
-        by_v += across;
-        by_p += kProximal * across;
+        out += (u + creep_ * pt) / (1 + creep_);
+        by_v += across / (1 + creep_);
+        by_p += (creep_ / (1 + creep_) + kProximal) * across;
       } else if (frozen) {
         const Vec3 way = contact.slip.normalized();
         out += pt + bound * (across * way);
@@ -580,7 +580,7 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
       } else if (bound > 0) {
         const Vec3 way = z / size;
         out += pt - bound * way;
-        const Mat3 turn = bound / size * (across - way * way.transpose());
+        const Mat3 turn = bound / (size * (1 + creep_)) * (across - way * way.transpose());
         by_p += across - turn - friction * way * n.transpose();
         by_v += turn;
       } else {
@@ -810,11 +810,27 @@ bool ImplicitStep::follow_central_path(const Problem& problem, double kappa, int
   }
 }
 
+/// Newton's method where friction creeps, u = -creep p where it sticks, from viscous friction that
+/// is hardly felt to dry friction. So what slides round a capstan grows by about as much with each
+/// solution.
+bool ImplicitStep::harden_friction(const Problem& problem, const std::vector<double>& start,
+                                   double enough) {
+  constexpr double kViscous = 1e4, kHarder = 1e-2, kDry = 1e-14;
+  constexpr int kMost = 20;
+  unknown_ = start;
+  bool found = true;
+  for (creep_ = kViscous; found && creep_ > kDry; creep_ *= kHarder) {
+    found = iterate(problem, -1, kMost, 1e3 * enough);
+  }
+  creep_ = 0;
+  return found && iterate(problem, -1, kMost, enough);
+}
+
 /// Newton's method from the present unknowns; where that fails, along the central path: from as far
 /// as the first correction led and forces act, then from as far as anything moves. Contacts that
 /// share a load have more than one solution; the path leads between them.
 bool ImplicitStep::solve(const Problem& problem) {
-  constexpr int kMost = 15, kMostWarm = 20, kMostCold = 40, kMostHeld = 20;
+  constexpr int kMost = 15, kMostWarm = 20, kMostCold = 40;
   const double enough = (problem.forces ? 1e-10 : 1e-12) * speed_;
   const std::vector<double> start = unknown_;
   bool found = iterate(problem, -1, kMost, enough);
@@ -833,16 +849,7 @@ bool ImplicitStep::solve(const Problem& problem) {
       unknown_ = start;
       found = follow_central_path(problem, cold * cold, kMostCold, enough);
     }
-    if (!found) {
-      // As if all contacts held: those that slide are found from there, one after another.
-      unknown_ = start;
-      for (std::size_t c = 0; c < contacts_.size(); ++c) {
-        const std::size_t at = first_contact_ + 3 * c;
-        vec(&unknown_[at]) = column_scale_[at] * 10 * speed_ * meetings_[c].normal;
-      }
-      const int most = kMostHeld + static_cast<int>(std::min(contacts_.size(), std::size_t{100}));
-      found = iterate(problem, -1, most, enough);
-    }
+    if (!found) found = harden_friction(problem, start, enough);
   }
   if (!found) return false;
   place_unknowns(problem);

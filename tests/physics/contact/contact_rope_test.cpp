@@ -70,7 +70,7 @@ TEST(ContactRope, ACapstanHoldsAsMuchAsItMust) {
   }
 }
 
-// Ten turns and a half: a ratio of 5e8 between the loads, weights of the chain included.
+// Six turns and a half: a ratio of 2e5 between the loads, weights of the chain included.
 TEST(ContactRope, SixTurnsHoldAsMuchAsTheyMust) {
   constexpr std::size_t arc = 24, turns = 6, left = 2, right = 2;
   constexpr double mu = 0.3, bead = 0.02, time = 0.01;
