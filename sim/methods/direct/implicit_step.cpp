@@ -146,7 +146,8 @@ void ImplicitStep::lay_out(const StepState& from) {
   off_.resize(contacts_.size());
   if (shape == shape_of_) return;
   shape_of_ = shape;
-  std::vector<std::uint32_t> groups(unknowns_);
+  std::vector<std::uint32_t>& groups = groups_;
+  groups.resize(unknowns_);
   std::uint32_t group = 0;
   std::size_t u = 0;
   const auto& easy = mechanism_.inverse_mass();
@@ -162,8 +163,7 @@ void ImplicitStep::lay_out(const StepState& from) {
   for (std::size_t c = 0; c < contacts_.size(); ++c, ++group) {
     for (int i = 0; i < 3; ++i) groups[u++] = group;
   }
-  stage_system_.reshape(groups);
-  jump_system_.reshape(groups);
+  stage_is_new_ = jump_is_new_ = true;
 }
 
 void ImplicitStep::add_handles(std::uint32_t point, double weight, Relative& to) const {
@@ -630,6 +630,10 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
 
 void ImplicitStep::assemble(const Problem& problem, double kappa) {
   system_ = problem.forces ? &stage_system_ : &jump_system_;
+  bool& is_new = problem.forces ? stage_is_new_ : jump_is_new_;
+  if (is_new) system_->reshape(groups_);
+  assembles_ = assembles_ || is_new;
+  is_new = false;
   if (assembles_) system_->clear();
   std::ranges::fill(residual_, 0.0);
   assemble_inertia(problem);

@@ -185,8 +185,10 @@ class ImplicitStep {
   Touches touches_;
   SparseSystem stage_system_, jump_system_;  // of stages; where velocities or places jump
   SparseSystem* system_ = &stage_system_;
-  bool assembles_ = true;  // the matrix as well as the residual
-  bool reuses_ = false;    // the matrix of the stage before, to begin with
+  std::vector<std::uint32_t> groups_;              // of unknowns, in the present layout
+  bool stage_is_new_ = true, jump_is_new_ = true;  // that layout, to the system
+  bool assembles_ = true;                          // the matrix as well as the residual
+  bool reuses_ = false;                            // the matrix of the stage before, to begin with
   std::vector<Link> links_;
   std::vector<std::uint32_t> node_;     // per point: its first unknown, or kNone
   std::vector<std::uint32_t> carried_;  // per point: of body_points(), or kNone

@@ -183,21 +183,23 @@ bool SparseSystem::factorise_band() {
 
 void SparseSystem::solve_band() {
   const std::size_t n = size(), kl = below_, diagonal = 2 * below_;
+  double* __restrict work = work_.data();
+  const double* __restrict values = values_.data();
   for (std::size_t j = 0; j < n; ++j) {
-    std::swap(work_[j], work_[pivots_[j]]);
-    const double value = work_[j];
+    std::swap(work[j], work[pivots_[j]]);
+    const double value = work[j];
     if (value == 0) continue;
-    const double* column = &values_[j * height_] + diagonal;
+    const double* column = values + j * height_ + diagonal;
     const std::size_t rows = std::min(kl, n - 1 - j);
-    for (std::size_t i = 1; i <= rows; ++i) work_[j + i] -= value * column[i];
+    for (std::size_t i = 1; i <= rows; ++i) work[j + i] -= value * column[i];
   }
   for (std::size_t j = n; j-- > 0;) {
-    const double* column = &values_[j * height_] + diagonal;
-    work_[j] /= column[0];
-    const double value = work_[j];
+    work[j] /= values[j * height_ + diagonal];
+    const double value = work[j];
     if (value == 0) continue;
-    const std::size_t above = std::min(2 * kl, j);
-    for (std::size_t i = 1; i <= above; ++i) work_[j - i] -= value * *(column - i);
+    const std::size_t above = std::min(2 * kl, j), first = j - above;
+    const double* column = values + j * height_ + diagonal - above;
+    for (std::size_t i = 0; i < above; ++i) work[first + i] -= value * column[i];
   }
 }
 
