@@ -114,6 +114,12 @@ void ImplicitStep::rebuild(const World& world) {
   for (std::uint32_t k = 0; k < stretches.size(); ++k) {
     add({.a = stretches[k].a, .b = stretches[k].b, .soft = true, .row = k});
   }
+  stiffest_ = 0;
+  for (const material::BendElement& bend : mechanism_.material().bends()) {
+    for (const std::uint32_t p : {bend.a, bend.b, bend.c}) {
+      stiffest_ = std::max(stiffest_, bend.stiffness * ease(p));
+    }
+  }
   first_contact_ = first_link_ + links_.size();
   shape_of_.clear();
   shape_of_.push_back(kHeld);  // no layout is the last one
@@ -814,6 +820,14 @@ bool ImplicitStep::follow_central_path(const Problem& problem, double kappa, int
   }
 }
 
+/// The error (m/s) of a solution by roundings of places, which bends turn into forces.
+double ImplicitStep::roundings(const Problem& problem) const {
+  if (!problem.forces || stiffest_ == 0) return 0;
+  const double place = std::numeric_limits<double>::epsilon() * length_;
+  const double acceleration = stiffest_ * place / (shortest_ * shortest_);
+  return std::min(acceleration / problem.inertia, place / problem.advance);
+}
+
 /// Newton's method where friction creeps, u = -creep p where it sticks, from viscous friction that
 /// is hardly felt to dry friction. So what slides round a capstan grows by about as much with each
 /// solution.
@@ -835,7 +849,9 @@ bool ImplicitStep::harden_friction(const Problem& problem, const std::vector<dou
 /// share a load have more than one solution; the path leads between them.
 bool ImplicitStep::solve(const Problem& problem) {
   constexpr int kMost = 15, kMostWarm = 20, kMostCold = 40;
-  const double enough = (problem.forces ? 1e-10 : 1e-12) * speed_;
+  constexpr double kRoundings = 64;
+  const double enough =
+      std::max((problem.forces ? 1e-10 : 1e-12) * speed_, kRoundings * roundings(problem));
   const std::vector<double> start = unknown_;
   bool found = iterate(problem, -1, kMost, enough);
   const bool one_sided = !contacts_.empty() ||

@@ -156,6 +156,7 @@ class ImplicitStep {
   void guess(double time, const std::vector<double>& rate);
   bool is_decided(double kappa) const;
   bool follow_central_path(const Problem& problem, double kappa, int most, double enough);
+  double roundings(const Problem& problem) const;
   bool harden_friction(const Problem& problem, const std::vector<double>& start, double enough);
   bool solve(const Problem& problem);
   bool project(StepState& to, double touching);
@@ -214,6 +215,7 @@ class ImplicitStep {
   std::vector<double> violation_;     // m, per link in a projection
   double speed_ = 1;                  // m/s, typical
   double length_ = 1, shortest_ = 1;  // m: of the longest connector, of the shortest link
+  double stiffest_ = 0;               // m2/s2: the largest stiffness of a bend over a mass
   double creep_ = 0;                  // of friction: slip over impulse, where it sticks
   double first_way_ = 0;              // m/s, of Newton's first correction
   double exact_ = 0;                  // m: roundings of places
