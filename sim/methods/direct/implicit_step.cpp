@@ -828,9 +828,8 @@ double ImplicitStep::roundings(const Problem& problem) const {
   return std::min(acceleration / problem.inertia, place / problem.advance);
 }
 
-/// Newton's method where friction creeps, u = -creep p where it sticks, from viscous friction that
-/// is hardly felt to dry friction. So what slides round a capstan grows by about as much with each
-/// solution.
+/// Newton's method from viscous to dry friction: what sticks creeps with u = -creep p. The part of
+/// a rope that slides round a post grows by about as much with each solution.
 bool ImplicitStep::harden_friction(const Problem& problem, const std::vector<double>& start,
                                    double enough) {
   constexpr double kViscous = 1e4, kHarder = 1e-2, kDry = 1e-14;
@@ -844,9 +843,10 @@ bool ImplicitStep::harden_friction(const Problem& problem, const std::vector<dou
   return found && iterate(problem, -1, kMost, enough);
 }
 
-/// Newton's method from the present unknowns; where that fails, along the central path: from as far
-/// as the first correction led and forces act, then from as far as anything moves. Contacts that
-/// share a load have more than one solution; the path leads between them.
+/// Newton's method from the present unknowns. Where it fails, the central path: kappa starts at the
+/// square of the first correction or of the largest force, then of a tenth of the fastest speed.
+/// Contacts that share a load have more than one solution; the path leads between them. Where the
+/// path fails, friction hardens.
 bool ImplicitStep::solve(const Problem& problem) {
   constexpr int kMost = 15, kMostWarm = 20, kMostCold = 40;
   constexpr double kRoundings = 64;
@@ -975,8 +975,8 @@ bool ImplicitStep::project_places(StepState& to) {
   return placed;
 }
 
-/// Makes velocities follow links and what presses at surfaces, once places are projected: stages
-/// were solved at other places, and extrapolation knows no conditions.
+/// Projects velocities onto links and surfaces that are pressed, after places: the stages were
+/// solved at other places, and extrapolation knows no conditions.
 bool ImplicitStep::project_velocities(StepState& to) {
   mechanism_.place_and_measure(to.time, to.state.data());
   double worst = 0;

@@ -34,12 +34,14 @@ void SparseSystem::order() {
   const std::size_t count =
       groups_.empty() ? 0 : std::size_t{*std::ranges::max_element(groups_)} + 1;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  std::uint32_t last_row = 0, last_column = 0;  // entries of a block follow each other
   for (const Place& place : places_) {
     const std::uint32_t a = groups_[place.row], b = groups_[place.column];
-    if (a != b) {
-      edges.emplace_back(a, b);
-      edges.emplace_back(b, a);
-    }
+    if (a == b || (a == last_row && b == last_column)) continue;
+    last_row = a;
+    last_column = b;
+    edges.emplace_back(a, b);
+    edges.emplace_back(b, a);
   }
   std::ranges::sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());

@@ -137,8 +137,8 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
   Vec3 axis;  // the point of the axis, or the bead's centre
   if (of.is_bead()) {
     axis = PartOf(state + mechanism.position(of.a));
-    const Vec3 local = frame.rotation.conjugate() * (axis - frame.position);
-    const SurfaceDistance near = of.shape.from(local);
+    at.local = frame.rotation.conjugate() * (axis - frame.position);
+    const SurfaceDistance near = of.shape.from(at.local);
     at.gap = near.distance - of.radius;
     at.normal = frame.rotation * near.normal;
   } else {
@@ -147,6 +147,7 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
     at.gap = near.distance;
     at.normal = near.normal;
     axis = capsule.at(near.along);
+    at.local = frame.rotation.conjugate() * (axis - frame.position);
     if (of.body != Candidate::kNone) {
       at.arm = axis - of.radius * at.normal - PartOf(state + mechanism.pose(of.body));
     } else {
@@ -154,9 +155,9 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
     }
   }
   at.turn = frame.rotation;
-  at.local = frame.rotation.conjugate() * (axis - frame.position);
   if (of.obstacle != Candidate::kNone) {
-    at.surface = frames_[of.obstacle].point(at.local).velocity;
+    const FrameMotion& moves = frames_[of.obstacle];
+    at.surface = moves.velocity + moves.spin.cross(axis - moves.position);
   } else {
     at.other_arm = axis - of.radius * at.normal - PartOf(state + mechanism.pose(of.other));
   }

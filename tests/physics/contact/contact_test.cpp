@@ -161,7 +161,7 @@ TEST(Contact, ALongRopeLandsInFewSystems) {
   Simulation simulation = by_direct(world, 1e-3);
   simulation.advance_to(0.1);
   const Counters& counters = simulation.method().counters();
-  EXPECT_LE(counters.solves, 10 * counters.steps);  // a step and its halves have two stages each
+  EXPECT_LE(counters.solves, 10 * counters.steps);   // a step and its halves have two stages each
   EXPECT_LE(penetration(simulation.world()), 2e-7);  // 1e-9 of its length
 }
 
