@@ -59,7 +59,8 @@ std::uint64_t program_fingerprint() {
 std::uint64_t fingerprint(const scenes::Stage& stage) {
   Hash hash;
   const scenes::Light& light = stage.light;
-  for (const Vec3& v : {light.direction, light.color, light.sky, light.ground, light.rim, stage.background})
+  for (const Vec3& v :
+       {light.direction, light.color, light.sky, light.ground, light.rim, stage.background})
     add(hash, v);
   hash.number(light.scenery_casts);
   add(hash, stage.scenery);

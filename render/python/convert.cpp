@@ -7,7 +7,6 @@
 #include <cmath>
 #include <stdexcept>
 
-
 namespace taut::python {
 
 Numbers numbers(const py::object& value, const char* what, py::ssize_t dimensions,

@@ -27,9 +27,9 @@ class Simulation {
 
   /// Advances to `time` (s, not before the present), and does what the timeline has until then; a
   /// time that is a rounding off `time` or the present is the same.
-  /// The method's events are those of this call afterwards. Throws Diverged, also if the state there
-  /// is not finite, BadIntervention, and what the stop check throws (see set_stop_check()): after
-  /// that the world is at no one time, and a further call throws std::runtime_error.
+  /// The method's events are those of this call afterwards. Throws Diverged, also if the state
+  /// there is not finite, BadIntervention, and what the stop check throws (see set_stop_check()):
+  /// after that the world is at no one time, and a further call throws std::runtime_error.
   void advance_to(double time);
 
   /// Goes on from `world`, a state of this simulation's own at its present or later, where the

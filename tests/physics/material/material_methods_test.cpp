@@ -149,7 +149,8 @@ TEST(MaterialMethods, OthersRefuseByName) {
       make_method(method.name, {})->advance(world, 0.01);
       ADD_FAILURE() << method.name;
     } catch (const Diverged& refusal) {
-      EXPECT_NE(std::string(refusal.what()).find("does not follow bending (connector"), std::string::npos)
+      EXPECT_NE(std::string(refusal.what()).find("does not follow bending (connector"),
+                std::string::npos)
           << refusal.what();
     }
   }
