@@ -152,22 +152,21 @@ void ImplicitStep::lay_out(const StepState& from) {
   off_.resize(contacts_.size());
   if (shape == shape_of_) return;
   shape_of_ = shape;
-  std::vector<std::uint32_t>& groups = groups_;
-  groups.resize(unknowns_);
+  groups_.resize(unknowns_);
   std::uint32_t group = 0;
   std::size_t u = 0;
   const auto& easy = mechanism_.inverse_mass();
   for (std::size_t p = 0; p < mechanism_.points(); ++p) {
     if (easy[p] == 0) continue;
-    for (int i = 0; i < 3; ++i) groups[u++] = group;
+    for (int i = 0; i < 3; ++i) groups_[u++] = group;
     ++group;
   }
   for (std::size_t b = 0; b < body_.size(); ++b, ++group) {
-    for (int i = 0; i < 6; ++i) groups[u++] = group;
+    for (int i = 0; i < 6; ++i) groups_[u++] = group;
   }
-  for (std::size_t k = 0; k < links_.size(); ++k) groups[u++] = group++;
+  for (std::size_t k = 0; k < links_.size(); ++k) groups_[u++] = group++;
   for (std::size_t c = 0; c < contacts_.size(); ++c, ++group) {
-    for (int i = 0; i < 3; ++i) groups[u++] = group;
+    for (int i = 0; i < 3; ++i) groups_[u++] = group;
   }
   stage_is_new_ = jump_is_new_ = true;
 }
@@ -893,6 +892,14 @@ bool ImplicitStep::project(StepState& to, double touching) {
   return true;
 }
 
+/// Displacements, or changes of velocities, start from zero at the places of a state.
+void ImplicitStep::start_projection(const StepState& at, const Problem& problem) {
+  start_at(at);
+  std::ranges::fill(unknown_, 0.0);
+  std::ranges::fill(wanted_, 0.0);
+  place_unknowns(problem);
+}
+
 /// The direction in which a link's ends may not part, at the present places.
 Vec3 ImplicitStep::direction(const Link& link) const {
   if (!link.soft && mechanism_.rows()[link.row].axis != Row::kAlongLink) {
@@ -918,10 +925,7 @@ bool ImplicitStep::project_places(StepState& to) {
   const auto& stretches = mechanism_.material().stretches();
   bool placed = false;
   for (int i = 0; i < 8 && !placed; ++i) {
-    start_at(to);
-    std::ranges::fill(unknown_, 0.0);
-    std::ranges::fill(wanted_, 0.0);
-    place_unknowns(problem);
+    start_projection(to, problem);
     double worst = 0;
     bool same = true;  // conditions, as before
     for (std::size_t k = 0; k < links_.size(); ++k) {
@@ -980,17 +984,17 @@ bool ImplicitStep::project_places(StepState& to) {
 bool ImplicitStep::project_velocities(StepState& to) {
   mechanism_.place_and_measure(to.time, to.state.data());
   double worst = 0;
-  std::vector<double> rate(links_.size(), 0.0);
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const Link& link = links_[k];
+    violation_[k] = 0;
     if (link.soft || on_[k] == 0) continue;
     const bool may_slacken = link.pulls && (jumped_ || to.tension[k] <= 0);
     if (may_slacken && mechanism_.rate()[link.row] <= 0) {
       on_[k] = 0;
       continue;
     }
-    rate[k] = mechanism_.rate()[link.row];
-    worst = std::max(worst, std::abs(rate[k]));
+    violation_[k] = mechanism_.rate()[link.row];
+    worst = std::max(worst, std::abs(violation_[k]));
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact& contact = contacts_[c];
@@ -1008,14 +1012,8 @@ bool ImplicitStep::project_velocities(StepState& to) {
   }
   if (worst <= 1e-13 * speed_) return true;
   Problem problem{.law = Problem::Law::projection, .time = to.time};
-  start_at(to);
-  std::ranges::fill(unknown_, 0.0);
-  std::ranges::fill(wanted_, 0.0);
-  place_unknowns(problem);
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    const Link& link = links_[k];
-    violation_[k] = rate[k] - held_rate(link);
-  }
+  start_projection(to, problem);
+  for (std::size_t k = 0; k < links_.size(); ++k) violation_[k] -= held_rate(links_[k]);
   reuses_ = false;
   if (!iterate(problem, -1, 1, 1e300)) return false;
   for (std::size_t p = 0; p < mechanism_.points(); ++p) {

@@ -163,6 +163,7 @@ class ImplicitStep {
   bool project_places(StepState& to);
   bool project_velocities(StepState& to);
   void start_at(const StepState& from);
+  void start_projection(const StepState& at, const Problem& problem);
   Vec3 direction(const Link& link) const;
   double held_rate(const Link& link) const;
   bool jump(StepState& to, std::span<const double> before);
