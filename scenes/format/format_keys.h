@@ -58,6 +58,32 @@ inline KeyFormat needed(KeyFormat key) {
   return key;
 }
 
+inline KeyFormat friction(
+    std::string_view meaning = "Coulomb's coefficient, of what slides; default: 0.") {
+  return {
+      .name = "friction", .meaning = meaning, .unit = "1", .minimum = 0, .maximum = kMostFriction};
+}
+
+inline KeyFormat static_friction() {
+  return {.name = "static_friction",
+          .meaning = "Coulomb's coefficient, of what sticks; default: as friction.",
+          .unit = "1",
+          .minimum = 0,
+          .maximum = kMostFriction};
+}
+
+inline KeyFormat touches_itself() {
+  return {.name = "touches_itself",
+          .type = Type::flag,
+          .meaning =
+              "Whether its links touch each other, as capsules of its radius, and those of "
+              "its copies or cords; default: false."};
+}
+
+inline KeyFormat own_friction() {
+  return friction("Coulomb's coefficient where it touches itself, of what slides; default: 0.");
+}
+
 /// Keys of a number over time.
 inline TableFormat number_keys(const char* name, const char* meaning, const char* unit,
                                double most) {

@@ -10,22 +10,6 @@ KeyFormat rounding() {
   return not_negative("rounding", "Radius of its edges, within its size; default: 0, sharp.", "m");
 }
 
-KeyFormat friction() {
-  return {.name = "friction",
-          .meaning = "Coulomb's coefficient, of what slides; default: 0.",
-          .unit = "1",
-          .minimum = 0,
-          .maximum = kMostFriction};
-}
-
-KeyFormat static_friction() {
-  return {.name = "static_friction",
-          .meaning = "Coulomb's coefficient, of what sticks; default: as friction.",
-          .unit = "1",
-          .minimum = 0,
-          .maximum = kMostFriction};
-}
-
 KeyFormat restitution(std::string_view meaning) {
   return {.name = "restitution", .meaning = meaning, .unit = "1", .minimum = 0, .maximum = 1};
 }
@@ -88,14 +72,13 @@ const TableFormat& obstacle_format() {
 
 const TableFormat& touching_format() {
   static const TableFormat format{
-      {needed(
-           {.name = "bodies",
-            .type = Type::texts,
-            .meaning = "Names of free bodies with `contact`, of which each touches each other."}),
+      {{.name = "bodies",
+        .type = Type::texts,
+        .meaning = "Names of free bodies with `contact`, of which each touches each other."},
        {.name = "connectors",
         .type = Type::texts,
-        .meaning = "Names of connectors and nets, whose beads touch each of these bodies; default: "
-                   "none."},
+        .meaning = "Names of connectors and nets: their beads touch each of these bodies, and "
+                   "their links, as capsules, the links of the others."},
        friction(),
        static_friction(),
        restitution("Newton's coefficient: the share of the speed at which they meet with which "

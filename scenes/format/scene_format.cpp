@@ -179,6 +179,9 @@ const TableFormat& connector_format() {
         .meaning = "What touches obstacles: its beads, or the links between them as well, as "
                    "capsules.",
         .choices = {"beads", "links"}},
+       touches_itself(),
+       own_friction(),
+       static_friction(),
        positive("diameter", "As drawn: of the rope or cord, or across a link of the chain.", "m"),
        color("color", "Linear colour."),
        positive("axial_stiffness", "EA: tension per strain; default: links are rigid.", "N"),

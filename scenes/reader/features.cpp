@@ -144,6 +144,23 @@ const Value& key_of(const Document& document, const World& world, const Use& use
       return use.feature == Feature::bead_pairs ? *table.find("connectors")
                                                 : key_of_surface(table, use.feature);
     }
+    case Use::At::connector_pair: {
+      const ConnectorPair& pair = world.connector_pairs[use.index];
+      const Value& first = connector_value(document, world.connectors[pair.a]);
+      const Value& other = connector_value(document, world.connectors[pair.b]);
+      if (first.name == other.name) {
+        return use.feature == Feature::self_contact || use.feature == Feature::connector_pairs
+                   ? member(first, {"touches_itself"})
+                   : key_of_surface(first, use.feature);
+      }
+      const auto both = [&](const Value& value) {
+        return names(value.find("connectors"), first.name) &&
+               names(value.find("connectors"), other.name);
+      };
+      const Value& table = *std::ranges::find_if(document.root.find("touching")->children, both);
+      return use.feature == Feature::connector_pairs ? *table.find("connectors")
+                                                     : key_of_surface(table, use.feature);
+    }
     case Use::At::pin:
       return document.root.find("pins")->children[use.index];
     case Use::At::cut:

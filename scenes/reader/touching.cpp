@@ -1,4 +1,5 @@
-// Free bodies that touch each other, and connectors whose beads touch them.
+// Free bodies that touch each other, connectors whose beads touch them, and connectors whose links
+// touch each other.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include "scenes/reader/reader.h"
 #include "sim/contact/capsule.h"
+#include "sim/contact/near_links.h"
 #include "sim/world/places.h"
 
 namespace taut::scenes {
@@ -54,7 +56,14 @@ class TouchingReader {
     BodyPair surfaces;
     read_friction(document_, value, surfaces.static_friction, surfaces.kinetic_friction,
                   surfaces.restitution);
-    const Value &list = *value.find("bodies"), *beads = value.find("connectors");
+    const Value *list_of_bodies = value.find("bodies"), *beads = value.find("connectors");
+    if (!list_of_bodies) {
+      if (!beads || beads->children.size() < 2) {
+        document_.mismatch(beads ? *beads : value, "bodies, or at least two connectors");
+      }
+      return pair_connectors(*beads, surfaces);
+    }
+    const Value& list = *list_of_bodies;
     const std::vector<std::size_t> bodies = bodies_of(list);
     if (bodies.empty()) document_.mismatch(list, "at least one body");
     if (bodies.size() < 2 && !beads) document_.mismatch(list, "at least two bodies, or connectors");
@@ -69,6 +78,28 @@ class TouchingReader {
       }
     }
     if (beads) pair_beads(*beads, bodies, surfaces);
+    if (beads) pair_connectors(*beads, surfaces);
+  }
+
+  /// Pairs the connectors of one name, where that says that it touches itself.
+  void read_own(const Value& value) {
+    if (!flag_or(value, "touches_itself", false)) {
+      for (const char* key : {"friction", "static_friction"}) {
+        if (const Value* found = value.find(key)) {
+          document_.fail_at_key(*found, "needs touches_itself = true");
+        }
+      }
+      return;
+    }
+    const Value& key = *value.find("touches_itself");
+    path_ = key.path;
+    BodyPair surfaces;
+    read_friction(document_, value, surfaces.static_friction, surfaces.kinetic_friction,
+                  surfaces.restitution);
+    const std::vector<std::size_t> own = connectors_named(value.name);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      for (std::size_t k = i; k < own.size(); ++k) pair(own[i], own[k], key, surfaces);
+    }
   }
 
  private:
@@ -124,6 +155,50 @@ class TouchingReader {
     }
   }
 
+  /// Copies of a connector and the cords of a net have its name.
+  std::vector<std::size_t> connectors_named(std::string_view name) const {
+    std::vector<std::size_t> found;
+    for (std::size_t c = 0; c < world_.connectors.size(); ++c) {
+      if (connector_value(document_, world_.connectors[c]).name == name) found.push_back(c);
+    }
+    return found;
+  }
+
+  void pair_connectors(const Value& list, const BodyPair& surfaces) {
+    std::vector<std::vector<std::size_t>> named;
+    for (const Value& name : list.children) {
+      connectors_.index_of(document_, name, "connector or net");
+      named.push_back(connectors_named(name.text));
+    }
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      for (std::size_t k = i + 1; k < named.size(); ++k) {
+        for (const std::size_t a : named[i]) {
+          for (const std::size_t b : named[k]) pair(a, b, list.children[k], surfaces);
+        }
+      }
+    }
+  }
+
+  void pair(std::size_t a, std::size_t b, const Value& at, const BodyPair& surfaces) {
+    for (const std::size_t c : {a, b}) {
+      const Connector& connector = world_.connectors[c];
+      if (connector.model == ConnectorModel::span) {
+        document_.fail(
+            at, fmt::format("has {}, a massless span, which touches no connector", connector.name));
+      }
+      if (connector.radius > 0) continue;
+      document_.fail(
+          at, fmt::format("has {}, whose radius is 0, expected one above 0", connector.name));
+    }
+    note(known_connectors_, std::minmax(a, b), at, world_.connectors[a].name,
+         world_.connectors[b].name);
+    world_.connector_pairs.push_back(
+        {a, b, surfaces.static_friction, surfaces.kinetic_friction, surfaces.restitution});
+    if (world_.connector_pairs.size() <= kMostPairs) return;
+    document_.fail(at, fmt::format("makes more than {} pairs of connectors with what is before it",
+                                   kMostPairs));
+  }
+
   void note(std::map<Pair, std::string>& known, const Pair& pair, const Value& list,
             const std::string& a, const std::string& b) {
     const auto [at, is_new] = known.emplace(pair, path_);
@@ -135,8 +210,8 @@ class TouchingReader {
   World& world_;
   Names bodies_, connectors_;
   std::set<Pair> ignored_;
-  std::string path_;                                 // of what is being read
-  std::map<Pair, std::string> known_, known_beads_;  // where pairs are named
+  std::string path_;                                                    // of what is being read
+  std::map<Pair, std::string> known_, known_beads_, known_connectors_;  // where pairs are named
 };
 
 contact::Capsule capsule_of(const Body& body) {
@@ -165,10 +240,49 @@ void check_beads(const Document& document, const World& world) {
   }
 }
 
+/// No link may start inside of another.
+void check_links(const Document& document, const World& world) {
+  contact::NearLinks near;
+  near.rebuild(world);
+  if (!near.any()) return;
+  std::vector<Vec3> places;
+  std::vector<std::size_t> connector_of;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    places.insert(places.end(), connector.position.begin(), connector.position.end());
+    connector_of.insert(connector_of.end(), connector.particles(), c);
+  }
+  std::vector<contact::LinkPair> pairs;
+  near.find({places.data()->data(), 3 * places.size()}, 0, pairs);
+  for (const contact::LinkPair& pair : pairs) {
+    const Connector &a = world.connectors[connector_of[pair.a]],
+                    &b = world.connectors[connector_of[pair.b]];
+    const double thick = a.radius + b.radius;
+    const double apart =
+        contact::distance(places[pair.a], places[pair.a + 1], places[pair.b], places[pair.b + 1]);
+    if (apart >= (1 - kInside) * thick) continue;
+    const auto link = [&](std::uint32_t point, const Connector& of) {
+      std::size_t k = 0;
+      while (k < point && connector_of[point - k - 1] == connector_of[point]) ++k;
+      return fmt::format("link {} of {}", k, of.name);
+    };
+    document.fail(connector_value(document, b),
+                  fmt::format("{} starts {:.6g} m inside of {}, expected to start outside, with "
+                              "radii of {} and {} m",
+                              link(pair.b, b), thick - apart, link(pair.a, a), b.radius, a.radius));
+  }
+}
+
 }  // namespace
 
 void read_touching(const Document& document, World& world) {
   TouchingReader reader(document, world);
+  for (const char* kind : {"connectors", "nets"}) {
+    const Value* table = document.root.find(kind);
+    for (std::size_t i = 0; table && i < table->children.size(); ++i) {
+      reader.read_own(table->children[i]);
+    }
+  }
   const Value* table = document.root.find("touching");
   if (!table || table->children.empty()) return;
   for (const Value& value : table->children) reader.read(value);
@@ -185,6 +299,7 @@ void check_touching(const Document& document, const World& world) {
                                      -apart, a.name));
   }
   check_beads(document, world);
+  check_links(document, world);
 }
 
 }  // namespace taut::scenes

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/contact/near_links.h"
 #include "sim/motion/larger.h"
 #include "sim/motion/rotation.h"
 #include "sim/world/places.h"
@@ -244,7 +245,7 @@ double penetration_max(const World& world) {
       most = larger(most, -least_gap(obstacle.shape, frame, capsule));
     }
   }
-  return most;
+  return larger(most, deepest_link(world));
 }
 
 }  // namespace taut::contact

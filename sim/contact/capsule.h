@@ -53,8 +53,8 @@ double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule);
 /// The distance of two capsules (m).
 double least_gap(const Capsule& solid, const Capsule& capsule);
 
-/// How deep (m) the bead or the free body's capsule is that is deepest in an obstacle; zero where
-/// none is in one.
+/// How deep (m) the bead or the free body's capsule is that is deepest in an obstacle, or the link
+/// that is deepest in another; zero where none is in one.
 double penetration_max(const World& world);
 
 }  // namespace taut::contact

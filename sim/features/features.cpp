@@ -30,6 +30,8 @@ constexpr std::array<std::string_view, kFeatureCount> kNames{
     "contact of bodies with obstacles",
     "contact between bodies",
     "contact of beads with bodies",
+    "contact between connectors",
+    "contact of a connector with itself",
     "friction",
     "restitution",
     "joints",
@@ -135,6 +137,13 @@ void each_use(const World& world, const Timeline* timeline, auto&& visit) {
     use_if(true, Feature::bead_pairs);
     surfaces(world.bead_pairs[p], use_if);
   }
+  for (std::size_t p = 0; p < world.connector_pairs.size(); ++p) {
+    const auto use_if = at(Use::At::connector_pair, p);
+    const bool itself = world.connector_pairs[p].a == world.connector_pairs[p].b;
+    use_if(!itself, Feature::connector_pairs);
+    use_if(itself, Feature::self_contact);
+    surfaces(world.connector_pairs[p], use_if);
+  }
   for (std::size_t j = 0; j < world.joints.size(); ++j) {
     const auto use_if = at(Use::At::joint, j);
     use_if(true, Feature::joint);
@@ -170,6 +179,9 @@ bool is_on(const World& world, const Use& use, std::size_t connector, const Time
       return world.pulleys[use.index].from == connector || world.pulleys[use.index].to == connector;
     case Use::At::bead_pair:
       return world.bead_pairs[use.index].connector == connector;
+    case Use::At::connector_pair:
+      return world.connector_pairs[use.index].a == connector ||
+             world.connector_pairs[use.index].b == connector;
     case Use::At::pin:
       return timeline->pins[use.index].connector == connector;
     case Use::At::cut:
@@ -256,6 +268,11 @@ std::string where(const World& world, const Use& use) {
       const BeadPair& pair = world.bead_pairs[use.index];
       return both("connector " + world.connectors[pair.connector].name,
                   "body " + world.bodies[pair.body].name);
+    }
+    case Use::At::connector_pair: {
+      const ConnectorPair& pair = world.connector_pairs[use.index];
+      const std::string &a = world.connectors[pair.a].name, &b = world.connectors[pair.b].name;
+      return pair.a == pair.b ? "connector " + a : "connectors " + both(a, b);
     }
     case Use::At::joint: {
       const Joint& joint = world.joints[use.index];

@@ -33,10 +33,12 @@ enum class Feature : std::uint8_t {
   // Contact (sim/contact)
   obstacle,
   moving_obstacle,
-  links_touch,   // links touch obstacles as capsules
-  body_contact,  // free bodies touch obstacles
-  body_pairs,    // free bodies touch each other
-  bead_pairs,    // beads touch free bodies
+  links_touch,      // links touch obstacles as capsules
+  body_contact,     // free bodies touch obstacles
+  body_pairs,       // free bodies touch each other
+  bead_pairs,       // beads touch free bodies
+  connector_pairs,  // links of connectors touch each other
+  self_contact,     // links of one connector do
   friction,
   restitution,
   // Connectors that depend on each other
@@ -53,7 +55,7 @@ enum class Feature : std::uint8_t {
   pin,
   cut,
 };
-inline constexpr std::size_t kFeatureCount = 31;
+inline constexpr std::size_t kFeatureCount = 33;
 
 /// A set of features.
 class Features {
@@ -92,9 +94,11 @@ inline constexpr Features kMaterialFeatures{
     Feature::rest_curvature, Feature::twist,           Feature::air,
     Feature::taper,          Feature::clamp,           Feature::turning_clamp,
     Feature::clamp_on_body,  Feature::material_on_body};
+inline constexpr Features kConnectorContact{Feature::connector_pairs, Feature::self_contact};
 inline constexpr Features kContactFeatures{
-    Feature::obstacle,   Feature::moving_obstacle, Feature::links_touch, Feature::body_contact,
-    Feature::body_pairs, Feature::bead_pairs,      Feature::friction,    Feature::restitution};
+    Feature::obstacle,   Feature::moving_obstacle, Feature::links_touch,     Feature::body_contact,
+    Feature::body_pairs, Feature::bead_pairs,      Feature::connector_pairs, Feature::self_contact,
+    Feature::friction,   Feature::restitution};
 inline constexpr Features kJointFeatures{Feature::joint, Feature::loop};
 inline constexpr Features kPulleyFeatures{Feature::pulley, Feature::sheave,
                                           Feature::pulley_friction};
@@ -111,7 +115,18 @@ std::string_view name(Feature feature);
 /// A use of a feature: an element of one of the lists of a World or, for pins and cuts that are yet
 /// to come, of a Timeline.
 struct Use {
-  enum class At { connector, body, obstacle, joint, pulley, body_pair, bead_pair, pin, cut };
+  enum class At {
+    connector,
+    body,
+    obstacle,
+    joint,
+    pulley,
+    body_pair,
+    bead_pair,
+    connector_pair,
+    pin,
+    cut
+  };
   Feature feature = {};
   At at = At::connector;
   std::size_t index = 0;

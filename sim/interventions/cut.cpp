@@ -115,6 +115,18 @@ void Interventions::add_part(World& world, std::size_t index) {
     world.bead_pairs.back().connector = world.connectors.size() - 1;
     world.topology += structure_of_bead_pair(world, world.bead_pairs.size() - 1);
   }
+  const auto pair_connectors = [&](ConnectorPair pair, std::size_t a, std::size_t b) {
+    pair.a = a;
+    pair.b = b;
+    world.connector_pairs.push_back(pair);
+    world.topology += structure_of_connector_pair(world, world.connector_pairs.size() - 1);
+  };
+  const std::size_t made = world.connectors.size() - 1;
+  for (std::size_t p = 0, pairs = world.connector_pairs.size(); p < pairs; ++p) {
+    const ConnectorPair pair = world.connector_pairs[p];
+    if (pair.a == index) pair_connectors(pair, made, pair.b);
+    if (pair.b == index) pair_connectors(pair, pair.a == index ? made : pair.a, made);
+  }
 }
 
 Divided Interventions::cut(World& world, std::size_t index, double along) {

@@ -44,6 +44,7 @@ Sets tied(const World& world, const Timeline& timeline) {
   for (const Pulley& pulley : world.pulleys) sets.join(pulley.from, pulley.to);
   for (const BodyPair& pair : world.pairs) sets.join(bodies + pair.a, bodies + pair.b);
   for (const BeadPair& pair : world.bead_pairs) sets.join(pair.connector, bodies + pair.body);
+  for (const ConnectorPair& pair : world.connector_pairs) sets.join(pair.a, pair.b);
   for (const TimedPin& pin : timeline.pins) {
     if (pin.to && on_free_body(world, *pin.to)) sets.join(pin.connector, bodies + pin.to->body);
   }
@@ -151,6 +152,13 @@ void Islands::take(const World& whole, Island& island) {
     BeadPair& own = part.bead_pairs.emplace_back(pair);
     own.connector = index_of(island.connectors, pair.connector);
     own.body = index_of(island.bodies, pair.body);
+  }
+  part.connector_pairs.clear();
+  for (const ConnectorPair& pair : whole.connector_pairs) {
+    if (!std::ranges::binary_search(island.connectors, pair.a)) continue;
+    ConnectorPair& own = part.connector_pairs.emplace_back(pair);
+    own.a = index_of(island.connectors, pair.a);
+    own.b = index_of(island.connectors, pair.b);
   }
   part.joints.clear();
   for (const std::size_t j : island.joints) {

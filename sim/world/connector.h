@@ -127,6 +127,15 @@ struct Connector {
   }
 };
 
+/// Two connectors whose links touch each other as capsules (Connector::radius), or, with `a` and
+/// `b` the same, a connector that touches itself; others pass through. Links that are nearer along
+/// rope than half a circle of the radius do not touch (sim/contact/near_links.h).
+struct ConnectorPair {
+  std::size_t a = 0, b = 0;                          // of World::connectors
+  double static_friction = 0, kinetic_friction = 0;  // Coulomb's coefficients
+  double restitution = 0;                            // Newton's coefficient, 0 to 1
+};
+
 /// A connector of `particles` equal particles in a straight line from `start` along `direction`,
 /// at rest. Throws std::invalid_argument for particles < 2, negative mass or length.
 Connector straight_connector(std::string name, double length, double mass, std::size_t particles,

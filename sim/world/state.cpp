@@ -31,7 +31,8 @@ bool has_touching_bodies(const World& world) {
 }
 
 bool has_contact(const World& world) {
-  return !world.obstacles.empty() || !world.pairs.empty() || !world.bead_pairs.empty();
+  return !world.obstacles.empty() || !world.pairs.empty() || !world.bead_pairs.empty() ||
+         !world.connector_pairs.empty();
 }
 
 }  // namespace taut

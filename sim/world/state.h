@@ -37,14 +37,15 @@ struct World {
   std::vector<Obstacle> obstacles;   // what beads of connectors and free bodies touch
   std::vector<BodyPair> pairs;       // of free bodies that touch each other
   std::vector<BeadPair> bead_pairs;  // of connectors and free bodies that do
-  std::uint64_t topology = 0;        // another one whenever what structure() tells changes
-  std::uint64_t pins = 0;            // how many there ever were
+  std::vector<ConnectorPair> connector_pairs;  // of connectors that do
+  std::uint64_t topology = 0;  // another one whenever what structure() tells changes
+  std::uint64_t pins = 0;      // how many there ever were
 };
 
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).
 bool has_materials(const World& world);
 
-/// Whether anything touches: there are obstacles, or bodies that touch each other or connectors.
+/// Whether anything touches: there are obstacles, or bodies or connectors that touch each other.
 bool has_contact(const World& world);
 
 /// Whether some connector has a winch or passes a pulley (Connector::winch).

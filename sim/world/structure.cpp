@@ -114,8 +114,19 @@ std::uint64_t structure_of_bead_pair(const World& world, std::size_t index) {
   return hash.value();
 }
 
+std::uint64_t structure_of_connector_pair(const World& world, std::size_t index) {
+  const ConnectorPair& pair = world.connector_pairs[index];
+  Hash hash;
+  hash.text("connectors").word(index).word(pair.a).word(pair.b);
+  hash.word(pair.static_friction).word(pair.kinetic_friction).word(pair.restitution);
+  return hash.value();
+}
+
 std::uint64_t structure(const World& world) {
   std::uint64_t sum = 0;
+  for (std::size_t p = 0; p < world.connector_pairs.size(); ++p) {
+    sum += structure_of_connector_pair(world, p);
+  }
   for (std::size_t p = 0; p < world.bead_pairs.size(); ++p) sum += structure_of_bead_pair(world, p);
   for (std::size_t j = 0; j < world.joints.size(); ++j) sum += structure_of_joint(world, j);
   for (std::size_t b = 0; b < world.bodies.size(); ++b) sum += structure_of_body(world, b);

@@ -19,5 +19,6 @@ std::uint64_t structure_of_body(const World& world, std::size_t body);
 std::uint64_t structure_of_connector(const World& world, std::size_t connector);
 std::uint64_t structure_of_joint(const World& world, std::size_t joint);
 std::uint64_t structure_of_bead_pair(const World& world, std::size_t pair);
+std::uint64_t structure_of_connector_pair(const World& world, std::size_t pair);
 
 }  // namespace taut

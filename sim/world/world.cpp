@@ -96,6 +96,22 @@ std::string pair_flaw(const World& world) {
     return "there are two pairs of the connector " + world.connectors[pair.connector].name +
            " and the body " + world.bodies[pair.body].name;
   }
+  seen.clear();
+  for (const ConnectorPair& pair : world.connector_pairs) {
+    for (const std::size_t c : {pair.a, pair.b}) {
+      if (c >= world.connectors.size()) return "a pair is of no connector";
+      const Connector& connector = world.connectors[c];
+      if (connector.model == ConnectorModel::span) {
+        return "a pair is of the connector " + connector.name + ", a massless span";
+      }
+      if (!(connector.radius > 0)) {
+        return "a pair is of the connector " + connector.name + ", which has no radius";
+      }
+    }
+    if (seen.insert(std::minmax(pair.a, pair.b)).second) continue;
+    return "there are two pairs of the connectors " + world.connectors[pair.a].name + " and " +
+           world.connectors[pair.b].name;
+  }
   return {};
 }
 

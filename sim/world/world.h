@@ -36,8 +36,8 @@ World with_change(World world, Change&& change) {
   return world;
 }
 
-/// The flaw of World::pairs and World::bead_pairs, or empty: each is of free bodies that have
-/// capsules, and stands there once.
+/// The flaw of World::pairs, World::bead_pairs and World::connector_pairs, or empty: each is of
+/// free bodies that have capsules, and stands there once.
 std::string pair_flaw(const World& world);
 
 /// Weighs all free bodies again, each with the particles that it holds.

@@ -188,6 +188,16 @@ class Maker {
         world_.bead_pairs.push_back(
             {.connector = 0, .body = add_touching_ball(Vec3(0.4, -0.3, 0.3))});
         return;
+      case Feature::connector_pairs: {
+        const std::size_t other = add_rope("neighbour", -0.3);
+        world_.connectors[other].radius = rope().radius = 0.005;
+        world_.connector_pairs.push_back({0, other});
+        return;
+      }
+      case Feature::self_contact:
+        rope().radius = 0.005;
+        world_.connector_pairs.push_back({0, 0});
+        return;
       case Feature::friction:
         floor().static_friction = floor().kinetic_friction = 0.2;
         return;

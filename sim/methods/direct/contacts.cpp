@@ -135,6 +135,9 @@ void Contacts::prepare(const World& world) {
   for (const BeadPair& pair : world.bead_pairs) {
     parent[find(parent, bodies + pair.connector)] = find(parent, pair.body);
   }
+  for (const ConnectorPair& pair : world.connector_pairs) {
+    parent[find(parent, bodies + pair.a)] = find(parent, bodies + pair.b);
+  }
   counters_ = counters();
   groups_.clear();
   std::vector<std::size_t> group_of(parent.size(), parent.size());
@@ -190,12 +193,22 @@ void Contacts::prepare(const World& world) {
       const auto at = std::ranges::lower_bound(made->connectors, pair.connector);
       own.connector = static_cast<std::size_t>(at - made->connectors.begin());
     }
+    for (const ConnectorPair& pair : world.connector_pairs) {
+      if (!std::ranges::binary_search(made->connectors, pair.a)) continue;
+      ConnectorPair& own = part.connector_pairs.emplace_back(pair);
+      for (std::size_t* index : {&own.a, &own.b}) {
+        const auto at = std::ranges::lower_bound(made->connectors, *index);
+        *index = static_cast<std::size_t>(at - made->connectors.begin());
+      }
+    }
+    made->near_links.rebuild(part);
     made->strings = has_strings(part);
     made->links = make_();
     made->implicit = std::make_unique<Implicit>(options_);
     made->now = part;
     made->now.pairs.clear();
     made->now.bead_pairs.clear();
+    made->now.connector_pairs.clear();
     made->now.topology = structure(made->now);
     part.obstacles = world.obstacles;
     part.topology = structure(part);
@@ -249,9 +262,24 @@ void Contacts::advance(World& world, double until) {
   place_held(world, until);
 }
 
-/// Whether something of a part may touch something within so many seconds from there.
-bool Contacts::is_near(const World& part, double within) {
+/// Whether something of a group may touch something within so many seconds from there.
+bool Contacts::is_near(Group& group, double within) {
+  const World& part = group.part;
   const double fall = part.gravity.norm() * within;
+  if (group.near_links.any()) {
+    double fastest = 0;  // of two
+    group.places.clear();
+    for (const Connector& connector : part.connectors) {
+      for (const Vec3& at : connector.position) {
+        group.places.insert(group.places.end(), at.begin(), at.end());
+      }
+      for (const Vec3& velocity : connector.velocity) {
+        fastest = std::max(fastest, 2 * velocity.norm());
+      }
+    }
+    const double near = kSurprise * (fastest + 2 * fall) * within;
+    if (group.near_links.is_any(group.places, near)) return true;
+  }
   for (const Body& body : part.bodies) {
     if (is_body_near(body, part, within)) return true;
   }
@@ -306,7 +334,7 @@ void Contacts::follow(Group& group, double until) const {
 bool Contacts::follow_links(Group& group, double until) const {
   const double within = group.end - group.time;
   copy_state(group.now, group.part);
-  if (is_near(group.part, within)) return false;
+  if (is_near(group, within)) return false;
   copy_state(group.now, group.before);
   try {
     group.links->advance(group.now, group.end);
@@ -316,7 +344,7 @@ bool Contacts::follow_links(Group& group, double until) const {
   }
   if (!group.stop) {
     copy_state(group.now, group.part);
-    if (is_near(group.part, within)) {
+    if (is_near(group, within)) {
       copy_state(group.before, group.now);
       return false;
     }

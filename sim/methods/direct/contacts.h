@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/contact/near_links.h"
 #include "sim/methods/direct/implicit.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/run/method.h"
@@ -13,8 +14,9 @@
 namespace taut::direct {
 
 /// Follows a world in groups that move without each other: connectors with the free bodies that
-/// they hold or may touch and those that these may touch. Every sixtieth of a second it looks which
-/// of them can reach an obstacle, or bodies each other, before the next one. The others go by a
+/// they hold or may touch and those that these may touch, and connectors that may touch each other.
+/// Every sixtieth of a second it looks which of them can reach an obstacle, or each other, before
+/// the next one. The others go by a
 /// method that knows no contact, with the same bits as in a world without; these go by implicit
 /// steps, and so does each group with strings. The times that are asked for change nothing.
 class Contacts {
@@ -35,17 +37,19 @@ class Contacts {
     std::vector<std::size_t> bodies, connectors;  // indices into the world's
     std::unique_ptr<Method> links, shown_links;
     std::unique_ptr<Implicit> implicit;
-    bool strings = false;      // some of its links are
-    bool by_implicit = false;  // as far as `end`
-    double time = 0;           // s, of `now`, beyond what is shown
-    double end = 0;            // s, where one looks again at what is near
-    std::exception_ptr stop;   // by which `links` ended between `before` and `now`
+    contact::NearLinks near_links;
+    std::vector<double> places;  // m, of all particles
+    bool strings = false;        // some of its links are
+    bool by_implicit = false;    // as far as `end`
+    double time = 0;             // s, of `now`, beyond what is shown
+    double end = 0;              // s, where one looks again at what is near
+    std::exception_ptr stop;     // by which `links` ended between `before` and `now`
   };
 
   static void begin(Group& group);
   static bool read(const World& world, Group& group);
   static void write(const Group& group, World& world);
-  static bool is_near(const World& part, double within);
+  static bool is_near(Group& group, double within);
   double next_end(double time) const;
   void follow(Group& group, double until) const;
   bool follow_links(Group& group, double until) const;

@@ -34,6 +34,13 @@ constexpr double kBarely = 1e-3;
 /// In shorter steps (s) contacts stop sliding and slide back as they must: an impulse, as of a jam,
 /// does both at once.
 constexpr double kShortestSlide = 1e-6;
+/// Links, in lengths of the shortest, within which one looks for what may touch.
+constexpr double kNearLinks = 0.25;
+/// The cosine of the angle by which the normal of two links turns while they stay on one side of
+/// each other.
+constexpr double kSameSide = 0.5;
+/// What arrives within that time (s) has arrived: no step is so short.
+constexpr double kShortestApproach = 4e-12;
 /// What stays below its bound by that share does not slide.
 constexpr double kSure = 1e-9;
 
@@ -203,22 +210,105 @@ ImplicitStep::Relative ImplicitStep::relative(const Candidate& of, const Meeting
   if (of.other != kHeld) {
     made.add({.at = body_[of.other], .body = true, .weight = -1, .arm = at.other_arm});
   }
+  if (of.is_at_rope() && of.c == of.d) {
+    add_handles(of.c, -1, made);
+  } else if (of.is_at_rope()) {
+    const double share = std::clamp(at.other_share, 1e-300, 1 - 1e-16);
+    add_handles(of.c, share - 1, made);
+    add_handles(of.d, -share, made);
+  }
   return made;
 }
 
-/// How the second end of a candidate's axis moves past the first.
-ImplicitStep::Relative ImplicitStep::relative_ends(const Candidate& of, const Vec3& axis) const {
-  if (of.body == kHeld) return relative(of.a, of.b);
-  Relative made;
-  made.add({.at = body_[of.body], .body = true, .weight = 1, .arm = axis});
-  made.add({.at = body_[of.body], .body = true, .weight = -1});
-  return made;
+/// The points of a candidate that are nearest between two ends, of which each has an entry, also
+/// where it is at an end just now.
+int ImplicitStep::slides(const Candidate& of, const Meeting& at, std::array<Slide, 2>& made) const {
+  const auto apart = [&](std::uint32_t a, std::uint32_t b, auto place) {
+    return Vec3(vec(&state_[(mechanism_.*place)(b)]) - vec(&state_[(mechanism_.*place)(a)]));
+  };
+  const auto of_link = [&](std::uint32_t a, std::uint32_t b, double share, Slide& slide) {
+    slide.ends = relative(a, b);
+    slide.along = apart(a, b, &Mechanism::position);
+    slide.passes = apart(a, b, &Mechanism::velocity);
+    slide.moves = !of.is_at_rope() || (share > 0 && share < 1);
+  };
+  int count = 0;
+  if (of.body != kHeld && of.spot == contact::Spot::nearest) {
+    Slide& slide = made[0] = {};
+    slide.along = touches_.axis(mechanism_, of, state_.data());
+    slide.passes = vec(&state_[mechanism_.twist(of.body) + 3]).cross(slide.along);
+    slide.ends.add({.at = body_[of.body], .body = true, .weight = 1, .arm = slide.along});
+    slide.ends.add({.at = body_[of.body], .body = true, .weight = -1});
+    slide.moves = true;
+    ++count;
+  } else if (of.spot == contact::Spot::nearest && !of.is_bead()) {
+    of_link(of.a, of.b, at.share, made[static_cast<std::size_t>(count++)] = {});
+  }
+  if (of.c != of.d) {  // against the first
+    of_link(of.d, of.c, at.other_share, made[static_cast<std::size_t>(count++)] = {});
+  }
+  return count;
 }
 
-/// The velocity (m/s) of that.
-Vec3 ImplicitStep::ends_pass(const Candidate& of, const Vec3& axis) const {
-  if (of.body != kHeld) return vec(&state_[mechanism_.twist(of.body) + 3]).cross(axis);
-  return vec(&state_[mechanism_.velocity(of.b)]) - vec(&state_[mechanism_.velocity(of.a)]);
+/// Adds what follows from a normal that turns as places change. The nearest point of a link moves
+/// along it by a share s, so that the way e along the link stays across the normal n, e n = 0. With
+/// the curvature H of the distance by the place x:
+///   n' = H (x' + e s'),   s' = -(e H x' + n e') / (e H e),
+/// and the same in two shares where two links touch between their ends.
+void ImplicitStep::turn_normal(const Problem& problem, std::size_t c, const Mat3& by_n,
+                               const Vec3& force, Mat3& by_v) {
+  const Candidate& of = touches_.candidates()[contacts_[c].candidate];
+  const Meeting& at = meetings_[c];
+  const std::size_t first = first_contact_ + 3 * c;
+  const Relative gap = relative(of, at);
+  const Mat3 bends = touches_.curvature(mechanism_, contacts_[c].candidate, at, state_.data());
+  std::array<Slide, 2> slide;
+  const auto count = static_cast<std::size_t>(slides(of, at, slide));
+  std::array<Vec3, 2> rolls;
+  Eigen::Matrix2d bent = Eigen::Matrix2d::Zero(), share = bent;
+  for (std::size_t k = 0; k < count; ++k) {
+    rolls[k] = bends * slide[k].along;
+    for (std::size_t l = 0; l <= k; ++l) {
+      bent(int(k), int(l)) = bent(int(l), int(k)) = slide[l].along.dot(rolls[k]);
+    }
+    // Along what is flat there, or between parallel links, the point stays.
+    const double least = kFlat * slide[k].along.squaredNorm() * bends.norm();
+    slide[k].moves = slide[k].moves && bent(int(k), int(k)) > least;
+  }
+  if (count == 2 && slide[0].moves && slide[1].moves) {
+    const double both = bent(0, 0) * bent(1, 1);
+    if (bent.determinant() > kFlat * both) {
+      share = bent.inverse();
+    } else {
+      slide[1].moves = false;
+    }
+  }
+  if (share.isZero(0)) {
+    for (std::size_t k = 0; k < count; ++k) {
+      if (slide[k].moves) share(int(k), int(k)) = 1 / bent(int(k), int(k));
+    }
+  }
+  const double h = problem.advance;
+  Mat3 turns = bends, less = Mat3::Zero();
+  for (std::size_t k = 0; k < count; ++k) {
+    Vec3 by_share = Vec3::Zero(), moved = Vec3::Zero();
+    for (std::size_t l = 0; l < count; ++l) {
+      const double by = share(int(k), int(l));
+      by_share += by * (by_n * rolls[l] + by_v * slide[l].passes);
+      moved += by * rolls[l];
+    }
+    less += by_v * slide[k].passes * moved.transpose();
+    turns -= rolls[k] * moved.transpose();
+    for (std::size_t i = 0; i < 3; ++i) {
+      row(first + i, slide[k].ends, -h * by_share[static_cast<int>(i)] * at.normal);
+    }
+    block(slide[k].ends, gap, h * force * moved.transpose());
+    for (std::size_t l = 0; l < count; ++l) {
+      block(slide[k].ends, slide[l].ends,
+            h * share(int(k), int(l)) * force * at.normal.transpose());
+    }
+  }
+  by_v += h * (by_n * turns - less);
 }
 
 /// A force on a relative place, out of the residual.
@@ -338,6 +428,10 @@ void ImplicitStep::scale(const Problem& problem) {
       ease += (1 - share) * (1 - share) * of_point(of.a) + share * share * of_point(of.b);
     }
     if (of.other != kHeld) ease += of_body(of.other, meetings_[c].other_arm);
+    if (of.is_at_rope()) {
+      const double share = meetings_[c].other_share;
+      ease += (1 - share) * (1 - share) * of_point(of.c) + share * share * of_point(of.d);
+    }
     for (std::size_t i = 0; i < 3; ++i) {
       column_scale_[first_contact_ + 3 * c + i] = problem.inertia / std::max(ease, 1e-300);
     }
@@ -593,32 +687,9 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
         by_p += across;
       }
       if (problem.advance > 0 && assembles_) {
-        // The normal turns as the place changes.
-        const Mat3 bends =
-            touches_.curvature(mechanism_, contacts_[c].candidate, at, state_.data());
         const Mat3 by_n = law.by_w * n * v.transpose() + law.by_p * n * p.transpose() -
                           (stuck ? w : pn) * Mat3::Identity();
-        Mat3 turns = bends;
-        const Vec3 axis = touches_.axis(mechanism_, contacts_[c].candidate, state_.data());
-        const double bent = axis.dot(bends * axis);
-        if (of.spot == contact::Spot::nearest && !of.is_bead()) {
-          // The nearest point of an axis e moves along it, so that n e stays 0:
-          // share' = -(e H x' + n e') / (e H e), n' = H (x' + e share').
-          const bool is_flat = bent <= kFlat * axis.squaredNorm() * bends.norm();
-          const double moves = is_flat ? 0 : problem.advance / bent;
-          const Vec3 rolls = bends * axis;
-          const Vec3 passes = by_v * ends_pass(of, axis);
-          const Relative ends = relative_ends(of, axis);
-          for (std::size_t i = 0; i < 3; ++i) {
-            const double by_share = (by_n * rolls + passes)[static_cast<int>(i)];
-            row(first + i, ends, -by_share * moves * n);
-          }
-          by_v -= moves * passes * rolls.transpose();
-          block(ends, gap, moves * force * rolls.transpose());
-          block(ends, ends, moves * force * n.transpose());
-          if (!is_flat) turns -= rolls * rolls.transpose() / bent;
-        }
-        by_v += problem.advance * by_n * turns;
+        turn_normal(problem, c, by_n, force, by_v);
       }
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -1201,9 +1272,13 @@ void ImplicitStep::gather(std::span<const double> state, std::vector<double>& un
 void ImplicitStep::find_contacts(const StepState& at, double touching,
                                  std::vector<Contact>& contacts) {
   contacts.clear();
-  for (std::uint32_t i = 0; i < touches_.candidates().size(); ++i) {
+  for (const std::uint32_t i : touches_.near()) {
     const Meeting meeting = touches_.meet(mechanism_, i, at.state.data());
-    if (meeting.gap > touching || !touches_.is_distinct(mechanism_, i, at.state.data())) continue;
+    if (meeting.gap > touching + 2 * kShortestApproach * speed_) continue;
+    const double rate =
+        meeting.normal.dot(touches_.passing(mechanism_, i, meeting, at.state.data()));
+    if (meeting.gap > touching - kShortestApproach * std::min(rate, 0.0)) continue;
+    if (!touches_.is_distinct(mechanism_, i, at.state.data())) continue;
     const auto known = std::ranges::find(contacts_, i, &Contact::candidate);
     contacts.push_back(known != contacts_.end() ? *known : Contact{.candidate = i});
   }
@@ -1229,6 +1304,7 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
   exact_ = 64 * std::numeric_limits<double>::epsilon() * length_;
   mechanism_.place_and_measure(to.time, to.state.data());
   touches_.place(world, to.time);
+  touches_.find_near(mechanism_, to.state, kNearLinks * shortest_);
   measure_speed(to);
   const auto& stretches = mechanism_.material().stretches();
   for (std::size_t k = 0; k < links_.size(); ++k) {
@@ -1320,6 +1396,19 @@ void ImplicitStep::store(const StepState& from, World& world) {
   mechanism_.store(from.state, from.time, world);
 }
 
+/// Keeps the list of what may touch on the way between two states, and some steps beyond.
+void ImplicitStep::find_near(const StepState& from, const StepState& to) {
+  if (!touches_.any() || (touches_.are_near_known(mechanism_, from.state) &&
+                          touches_.are_near_known(mechanism_, to.state))) {
+    return;
+  }
+  constexpr double kSteps = 8;
+  const double moved = touches_.largest_move(mechanism_, from.state, to.state);
+  touches_.place(*world_, from.time);
+  touches_.find_near(mechanism_, from.state, std::max(kNearLinks * shortest_, 2 * kSteps * moved));
+  touches_.place(*world_, to.time);
+}
+
 /// Puts everything where it is at a share of the way between two states: cubic for places, linear
 /// for rotations.
 void ImplicitStep::place_between(const StepState& from, const StepState& to, double h,
@@ -1355,7 +1444,8 @@ void ImplicitStep::place_between(const StepState& from, const StepState& to, dou
 /// The gap (m) of a candidate at the present state, and how fast it grows (m/s).
 ImplicitStep::Gap ImplicitStep::gap(std::uint32_t candidate) const {
   const Meeting at = touches_.meet(mechanism_, candidate, state_.data());
-  return {at.gap, at.normal.dot(touches_.passing(mechanism_, candidate, at, state_.data()))};
+  return {at.gap, at.normal.dot(touches_.passing(mechanism_, candidate, at, state_.data())),
+          at.normal};
 }
 
 /// The share of a step after which a candidate that is apart at both ends, and approaches at first
@@ -1388,6 +1478,67 @@ double ImplicitStep::first_dip(const StepState& from, const StepState& to, doubl
   return 1;
 }
 
+/// A bound (m/s) of the speed at which any points of two links pass each other within a step.
+double ImplicitStep::fastest_pass(const StepState& from, const StepState& to, double h,
+                                  const Candidate& of) const {
+  double most = 0;
+  for (const std::uint32_t a : {of.a, of.b}) {
+    for (const std::uint32_t c : {of.c, of.d}) {
+      const auto apart = [&](const StepState& at,
+                             std::size_t (Mechanism::*part)(std::size_t) const) {
+        return Vec3(vec(&at.state[(mechanism_.*part)(a)]) - vec(&at.state[(mechanism_.*part)(c)]));
+      };
+      const Vec3 first = apart(from, &Mechanism::velocity), last = apart(to, &Mechanism::velocity);
+      const Vec3 way = apart(to, &Mechanism::position) - apart(from, &Mechanism::position);
+      // The derivative of a cubic, as a Bezier curve, is within its corners.
+      const Vec3 corner = 3 / h * way - first - last;
+      most = std::max({most, first.norm(), corner.norm(), last.norm()});
+    }
+  }
+  return most;
+}
+
+/// The share of a step after which two links that are apart at both ends have begun to pass through
+/// each other; 1 where they do not. Then the normal turns round. Parts of the step in which it does
+/// not, or in which the way is too short, are left to first_dip().
+double ImplicitStep::first_pass(const StepState& from, const StepState& to, double h,
+                                double touching, std::uint32_t candidate) {
+  constexpr double kShortest = 1.0 / 4096;
+  struct Part {
+    double start = 0, end = 1;
+    Gap first, last;
+  };
+  const double speed = fastest_pass(from, to, h, touches_.candidates()[candidate]);
+  Part all;
+  all.last = gap(candidate);
+  if (all.last.gap > speed * h) return 1;
+  place_between(from, to, h, 0);
+  all.first = gap(candidate);
+  double found = 1;
+  std::vector<Part> parts{all};
+  while (!parts.empty()) {
+    const Part part = parts.back();
+    parts.pop_back();
+    const double share = part.end - part.start;
+    if (part.first.gap + part.last.gap > speed * share * h || share < kShortest ||
+        part.first.normal.dot(part.last.normal) > kSameSide) {
+      continue;
+    }
+    const double middle = (part.start + part.end) / 2;
+    place_between(from, to, h, middle);
+    const Gap now = gap(candidate);
+    if (now.gap < -touching) {
+      const double down = std::max(part.first.gap, 0.0);
+      found = part.start + (middle - part.start) * down / (down - now.gap);
+      break;
+    }
+    parts.push_back({middle, part.end, now, part.last});
+    parts.push_back({part.start, middle, part.first, now});
+  }
+  place_between(from, to, h, 1);
+  return found;
+}
+
 /// When the first thing arrives that was apart at the start: s, beyond h where nothing does.
 double ImplicitStep::first_arrival(const StepState& from, const StepState& to, double h,
                                    double touching) {
@@ -1405,10 +1556,18 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
     first = std::min(first, std::clamp(2 * open / std::max(root - rate, 1e-300), 0.0, h));
   };
   std::size_t known = 0;
-  for (std::uint32_t i = 0; i < touches_.candidates().size(); ++i) {
+  find_near(from, to);
+  for (const std::uint32_t i : touches_.near()) {
     while (known < contacts_.size() && contacts_[known].candidate < i) ++known;
     if (known < contacts_.size() && contacts_[known].candidate == i) continue;
     const Gap now = gap(i);
+    if (touches_.candidates()[i].is_at_rope()) {
+      const double share = first_pass(from, to, h, touching, i);
+      if (share < 1) {
+        first = std::min(first, h * share);
+        continue;
+      }
+    }
     if (now.gap >= -touching) {
       if (now.rate > 0 && now.gap < now.rate * h) leaving.push_back(i);
       continue;
@@ -1445,6 +1604,13 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
       const double before = std::min(ratio(was.force), 1.0), after = ratio(now.force);
       if (after > 1 + kBarely) first = std::min(first, h * (1 - before) / (after - before));
     }
+  }
+  for (std::size_t c = 0; h >= kShortestSlide && c < contacts_.size(); ++c) {
+    const std::uint32_t i = contacts_[c].candidate;
+    if (!touches_.candidates()[i].is_at_rope()) continue;
+    const Vec3 was = touches_.meet(mechanism_, i, from.state.data()).normal;
+    const Vec3 now = touches_.meet(mechanism_, i, to.state.data()).normal;
+    if (was.dot(now) < kSameSide) first = std::min(first, h / 2);  // it may have passed through
   }
   if (!reverses.empty()) reversing_ = std::move(reverses);
   for (std::size_t k = 0; k < links_.size(); ++k) {

@@ -131,8 +131,15 @@ class ImplicitStep {
   void add_handles(std::uint32_t point, double weight, Relative& to) const;
   Relative relative(std::uint32_t a, std::uint32_t b) const;
   Relative relative(const Candidate& of, const Meeting& at) const;
-  Relative relative_ends(const Candidate& of, const Vec3& axis) const;
-  Vec3 ends_pass(const Candidate& of, const Vec3& axis) const;
+  /// A touching point that moves along its link as the link turns, so that it stays the nearest.
+  struct Slide {
+    Relative ends;  // the way along which it moves, as velocities turn it
+    Vec3 along = Vec3::Zero(), passes = Vec3::Zero();  // m, and its rate: m/s
+    bool moves = false;
+  };
+  int slides(const Candidate& of, const Meeting& at, std::array<Slide, 2>& made) const;
+  void turn_normal(const Problem& problem, std::size_t contact, const Mat3& by_n, const Vec3& force,
+                   Mat3& by_v);
   void push(const Relative& at, const Vec3& force);
   void block(const Relative& row, const Relative& column, const Mat3& value);
   void row(std::size_t index, const Relative& column, const Vec3& value);
@@ -175,8 +182,14 @@ class ImplicitStep {
   void measure_speed(const StepState& at);
   struct Gap {
     double gap = 0, rate = 0;  // m, m/s
+    Vec3 normal = Vec3::Zero();
   };
   Gap gap(std::uint32_t candidate) const;
+  void find_near(const StepState& from, const StepState& to);
+  double fastest_pass(const StepState& from, const StepState& to, double h,
+                      const Candidate& of) const;
+  double first_pass(const StepState& from, const StepState& to, double h, double touching,
+                    std::uint32_t candidate);
   void place_between(const StepState& from, const StepState& to, double h, double share);
   double first_dip(const StepState& from, const StepState& to, double h, double touching,
                    std::uint32_t candidate);

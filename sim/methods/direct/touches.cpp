@@ -28,6 +28,8 @@ void at_each_obstacle(const World& world, std::uint64_t category, Candidate made
 
 void Touches::rebuild(const World& world, const Mechanism& mechanism) {
   candidates_.clear();
+  known_.clear();
+  within_ = -1;
   frames_.resize(world.obstacles.size());
   std::uint32_t first = 0;
   const auto is_free = [&](std::uint32_t point) { return mechanism.inverse_mass()[point] != 0; };
@@ -81,14 +83,14 @@ void Touches::rebuild(const World& world, const Mechanism& mechanism) {
   for (const auto& meeting : contact::meetings_of_bodies(world, world.obstacles, world.pairs)) {
     of_body(meeting, capsules[meeting.body]);
   }
-  std::vector<double> radius;
+  radius_.clear();
   for (const Connector& connector : world.connectors) {
-    radius.insert(radius.end(), connector.particles(), connector.radius);
+    radius_.insert(radius_.end(), connector.particles(), connector.radius);
   }
   for (const auto& meeting : contact::meetings_of_beads(world, mechanism, world.bead_pairs)) {
     candidates_.push_back({.a = meeting.body,
                            .b = meeting.body,
-                           .radius = radius[meeting.body],
+                           .radius = radius_[meeting.body],
                            .other = meeting.other,
                            .shape = meeting.shape,
                            .place = meeting.place,
@@ -96,6 +98,155 @@ void Touches::rebuild(const World& world, const Mechanism& mechanism) {
                            .slide = meeting.kinetic_friction,
                            .restitution = meeting.restitution});
   }
+  fixed_ = candidates_.size();
+  on_moving_.assign(fixed_, 0);
+  for (std::size_t i = 0; i < fixed_; ++i) {
+    const std::uint32_t obstacle = candidates_[i].obstacle;
+    on_moving_[i] = obstacle != Candidate::kNone && world.obstacles[obstacle].path != nullptr;
+  }
+  reach_.assign(mechanism.bodies().size(), 0.0);
+  for (std::size_t b = 0; b < reach_.size() && b < capsules.size(); ++b) {
+    reach_[b] = std::max(capsules[b].from.norm(), capsules[b].to.norm()) + capsules[b].radius;
+  }
+  links_.rebuild(world);
+  rules_ = world.connector_pairs;
+  if (!links_.any()) return;
+  leader_.resize(mechanism.points());
+  moves_.resize(mechanism.points());
+  next_.assign(mechanism.points(), Candidate::kNone);
+  former_ = next_;
+  for (std::uint32_t p = 0; p < mechanism.points(); ++p) {
+    leader_[p] = small(mechanism.leader(p));
+    moves_[p] = is_free(leader_[p]) || carried[leader_[p]];
+  }
+  first = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::uint32_t k = 0; k < connector.links(); ++k) {
+      const std::uint32_t a = leader_[first + k], b = leader_[first + k + 1];
+      next_[a] = b;
+      former_[b] = a;
+    }
+    first += static_cast<std::uint32_t>(connector.particles());
+  }
+}
+
+double Touches::largest_move(const Mechanism& mechanism, const std::vector<double>& one,
+                             const std::vector<double>& other) const {
+  double most = 0;
+  for (std::size_t p = 0; p < mechanism.points(); ++p) {
+    const std::size_t at = mechanism.position(p);
+    most = std::max(most, (PartOf(&one[at]) - PartOf(&other[at])).squaredNorm());
+  }
+  most = std::sqrt(most);
+  for (std::size_t b = 0; b < reach_.size(); ++b) {
+    const std::size_t at = mechanism.pose(b);
+    const double turn = (quaternion(&one[at + 3]).coeffs() - quaternion(&other[at + 3]).coeffs())
+                            .norm();  // half of the angle, where it is small
+    most = std::max(most, (PartOf(&one[at]) - PartOf(&other[at])).norm() + 3 * turn * reach_[b]);
+  }
+  return most;
+}
+
+bool Touches::are_near_known(const Mechanism& mechanism, const std::vector<double>& state) const {
+  return within_ >= 0 && largest_move(mechanism, state, near_at_) <= within_ / 2;
+}
+
+void Touches::find_near(const Mechanism& mechanism, const std::vector<double>& state,
+                        double within) {
+  within_ = within;
+  near_at_ = state;
+  near_.clear();
+  for (std::uint32_t i = 0; i < fixed_; ++i) {
+    if (on_moving_[i] || meet(mechanism, i, state.data()).gap <= within) near_.push_back(i);
+  }
+  if (!links_.any()) return;
+  const std::size_t others = near_.size();
+  links_.find({state.data(), 3 * mechanism.points()}, within, pairs_);
+  for (const contact::LinkPair& pair : pairs_) add_pair(pair);
+  const auto from = near_.begin() + static_cast<std::ptrdiff_t>(others);
+  std::sort(from, near_.end());
+  near_.erase(std::unique(from, near_.end()), near_.end());
+}
+
+/// Adds all spots at which two links may touch to the near ones.
+void Touches::add_pair(const contact::LinkPair& pair) {
+  const std::uint32_t a = pair.a, c = pair.b;
+  add_near(a, a + 1, c, c + 1, pair);
+  for (const std::uint32_t end : {a, a + 1}) add_near(end, end, c, c + 1, pair);
+  for (const std::uint32_t end : {c, c + 1}) add_near(end, end, a, a + 1, pair);
+  for (const std::uint32_t end : {a, a + 1}) {
+    for (const std::uint32_t other : {c, c + 1}) add_near(end, end, other, other, pair);
+  }
+}
+
+void Touches::add_near(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d,
+                       const contact::LinkPair& pair) {
+  if (!moves_[a] && !moves_[b] && !moves_[c] && !moves_[d]) return;
+  const auto key_of = [](std::uint32_t from, std::uint32_t to) {
+    return std::uint64_t{2} * from + (from != to ? 1 : 0);
+  };
+  const std::uint64_t key = key_of(a, b) << 32 | key_of(c, d);
+  const auto [at, is_new] = known_.emplace(key, static_cast<std::uint32_t>(candidates_.size()));
+  if (is_new) {
+    const ConnectorPair& rule = rules_[pair.rule];
+    candidates_.push_back({.a = leader_[a],
+                           .b = leader_[b],
+                           .c = leader_[c],
+                           .d = leader_[d],
+                           .spot = contact::Spot::nearest,
+                           .radius = radius_[a] + radius_[c],
+                           .stick = rule.static_friction,
+                           .slide = rule.kinetic_friction,
+                           .restitution = rule.restitution});
+  }
+  near_.push_back(at->second);
+}
+
+/// Whether the point of a link that is nearest to a bead is between its ends.
+bool Touches::is_between(const Mechanism& mechanism, std::uint32_t bead, std::uint32_t a,
+                         std::uint32_t b, const double* state) const {
+  const PartOf from(state + mechanism.position(a)), to(state + mechanism.position(b));
+  const Vec3 way = to - from;
+  const double share = way.dot(PartOf(state + mechanism.position(bead)) - from);
+  return share > 0 && share < way.squaredNorm();
+}
+
+/// Each place where two ropes are nearest to each other has one candidate that is distinct there.
+bool Touches::are_links_distinct(const Mechanism& mechanism, const Candidate& of,
+                                 const double* state) const {
+  if (of.a != of.b) {  // else its ends at the other link, and those of the other, tell
+    constexpr double kParallel = 1e-3;  // rad
+    const Meeting at = meet_links(mechanism, of, state);
+    const auto inside = [](double share) { return share > 0 && share < 1; };
+    const Vec3 e =
+        PartOf(state + mechanism.position(of.b)) - PartOf(state + mechanism.position(of.a));
+    const Vec3 f =
+        PartOf(state + mechanism.position(of.d)) - PartOf(state + mechanism.position(of.c));
+    return inside(at.share) && inside(at.other_share) &&
+           e.cross(f).norm() > kParallel * e.norm() * f.norm();
+  }
+  if (of.c != of.d) return is_between(mechanism, of.a, of.c, of.d, state);
+  const auto nearer = [&](std::uint32_t bead, std::uint32_t at) {
+    return (next_[at] != Candidate::kNone && is_between(mechanism, bead, at, next_[at], state)) ||
+           (former_[at] != Candidate::kNone && is_between(mechanism, bead, former_[at], at, state));
+  };
+  return !nearer(of.a, of.c) && !nearer(of.c, of.a);
+}
+
+Meeting Touches::meet_links(const Mechanism& mechanism, const Candidate& of,
+                            const double* state) const {
+  const PartOf a(state + mechanism.position(of.a)), b(state + mechanism.position(of.b));
+  const PartOf c(state + mechanism.position(of.c)), d(state + mechanism.position(of.d));
+  const contact::NearestShares near = contact::nearest_shares(a, b, c, d);
+  Meeting at;
+  at.share = near.first;
+  at.other_share = near.other;
+  const Vec3 apart = a + near.first * (b - a) - c - near.other * (d - c);
+  const double distance = apart.norm();
+  at.gap = distance - of.radius;
+  at.normal = distance > 0 ? Vec3(apart / distance) : (b - a).cross(d - c).normalized();
+  if (!at.normal.allFinite() || at.normal.isZero(0)) at.normal = Vec3::UnitY();
+  return at;
 }
 
 void Touches::place(const World& world, double time) {
@@ -123,6 +274,7 @@ contact::Capsule Touches::capsule_of(const Mechanism& mechanism, const Candidate
 bool Touches::is_distinct(const Mechanism& mechanism, std::size_t candidate,
                           const double* state) const {
   const Candidate& of = candidates_[candidate];
+  if (of.is_at_rope()) return are_links_distinct(mechanism, of, state);
   if (of.is_bead()) return true;
   return contact::all_gaps(of.shape, frame_of(mechanism, of, state),
                            capsule_of(mechanism, of, state))[static_cast<std::size_t>(of.spot)]
@@ -132,6 +284,7 @@ bool Touches::is_distinct(const Mechanism& mechanism, std::size_t candidate,
 Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
                       const double* state) const {
   const Candidate& of = candidates_[candidate];
+  if (of.is_at_rope()) return meet_links(mechanism, of, state);
   Meeting at;
   const Pose frame = frame_of(mechanism, of, state);
   Vec3 axis;  // the point of the axis, or the bead's centre
@@ -167,6 +320,9 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
 Mat3 Touches::curvature(const Mechanism& mechanism, std::size_t candidate, const Meeting& at,
                         const double* state) const {
   const Candidate& of = candidates_[candidate];
+  if (of.is_at_rope()) {
+    return (Mat3::Identity() - at.normal * at.normal.transpose()) / (at.gap + of.radius);
+  }
   const Mat3 turn = frame_of(mechanism, of, state).rotation.toRotationMatrix();
   Mat3 by;
   for (int k = 0; k < 3; ++k) {
@@ -175,8 +331,8 @@ Mat3 Touches::curvature(const Mechanism& mechanism, std::size_t candidate, const
   return by;
 }
 
-Vec3 Touches::axis(const Mechanism& mechanism, std::size_t candidate, const double* state) const {
-  const contact::Capsule capsule = capsule_of(mechanism, candidates_[candidate], state);
+Vec3 Touches::axis(const Mechanism& mechanism, const Candidate& of, const double* state) const {
+  const contact::Capsule capsule = capsule_of(mechanism, of, state);
   return capsule.to - capsule.from;
 }
 
@@ -187,18 +343,17 @@ Vec3 Touches::passing(const Mechanism& mechanism, std::size_t candidate, const M
     const double* twist = state + mechanism.twist(body);
     return PartOf(twist) + PartOf(twist + 3).cross(arm);
   };
-  Vec3 moves;
-  if (of.body != Candidate::kNone) {
-    moves = of_body(of.body, at.arm);
-  } else {
-    moves = (1 - at.share) * PartOf(state + mechanism.velocity(of.a)) +
-            at.share * PartOf(state + mechanism.velocity(of.b));
-    if (mechanism.has_winches()) {
-      const Vec3 flow = (1 - at.share) * mechanism.flow_past(of.a, state) +
-                        at.share * mechanism.flow_past(of.b, state);
-      moves += flow - at.normal.dot(flow) * at.normal;
-    }
-  }
+  const auto of_link = [&](std::uint32_t a, std::uint32_t b, double share) -> Vec3 {
+    const Vec3 moves = (1 - share) * PartOf(state + mechanism.velocity(a)) +
+                       share * PartOf(state + mechanism.velocity(b));
+    if (!mechanism.has_winches()) return moves;
+    const Vec3 flow =
+        (1 - share) * mechanism.flow_past(a, state) + share * mechanism.flow_past(b, state);
+    return moves + flow - at.normal.dot(flow) * at.normal;
+  };
+  const Vec3 moves =
+      of.body != Candidate::kNone ? of_body(of.body, at.arm) : of_link(of.a, of.b, at.share);
+  if (of.is_at_rope()) return moves - of_link(of.c, of.d, at.other_share);
   return of.other != Candidate::kNone ? moves - of_body(of.other, at.other_arm)
                                       : moves - at.surface;
 }
