@@ -175,6 +175,13 @@ program::Json as_json(const Known& known, int threads) {
                                 {"static_friction", pair.static_friction},
                                 {"restitution", pair.restitution}});
   }
+  for (const ConnectorPair& pair : scene.world.connector_pairs) {
+    json["touching"].push_back({{"connector", scene.world.connectors[pair.a].name},
+                                {"other_connector", scene.world.connectors[pair.b].name},
+                                {"friction", pair.kinetic_friction},
+                                {"static_friction", pair.static_friction},
+                                {"restitution", pair.restitution}});
+  }
   if (scene.stage) json["clip_frames"] = std::uint64_t(options::clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
   json["cuts"] = scene.timeline.cuts.size();
@@ -196,13 +203,22 @@ program::Json as_json(const Known& known, int threads) {
   return json;
 }
 
-/// Connectors that touch bodies, in lines; copies and the cords of a net in one.
+/// Connectors that touch bodies and each other, in lines; copies and the cords of a net in one.
 std::vector<std::string> pairs_with_connectors(const World& world) {
   std::vector<std::string> lines;
   for (const BeadPair& pair : world.bead_pairs) {
     const std::string& name = world.connectors[pair.connector].name;
     std::string text = fmt::format("beads of {} and body {} touch: friction {}, restitution {}",
                                    scenes::written_name(name), world.bodies[pair.body].name,
+                                   pair.kinetic_friction, pair.restitution);
+    if (std::ranges::find(lines, text) == lines.end()) lines.push_back(std::move(text));
+  }
+  for (const ConnectorPair& pair : world.connector_pairs) {
+    const std::string_view a = scenes::written_name(world.connectors[pair.a].name),
+                           b = scenes::written_name(world.connectors[pair.b].name);
+    std::string text = fmt::format("{}: friction {}, restitution {}",
+                                   a == b ? fmt::format("{} touches itself", a)
+                                          : fmt::format("connectors {} and {} touch", a, b),
                                    pair.kinetic_friction, pair.restitution);
     if (std::ranges::find(lines, text) == lines.end()) lines.push_back(std::move(text));
   }

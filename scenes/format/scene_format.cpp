@@ -323,8 +323,7 @@ const TableFormat& scene_format() {
       table("obstacles", "Solids that beads of connectors and free bodies touch.",
             obstacle_format(), Type::named),
       table("touching",
-            "Free bodies that touch each other, and beads of connectors; others pass through each "
-            "other.",
+            "Free bodies and connectors that touch each other; others pass through each other.",
             touching_format(), Type::named),
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
       table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),

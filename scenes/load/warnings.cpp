@@ -14,6 +14,7 @@
 #include "scenes/scene/view.h"
 #include "sim/choreography/choreography.h"
 #include "sim/choreography/hand_frame.h"
+#include "sim/contact/near_links.h"
 #include "sim/motion/stop.h"
 
 namespace taut::scenes {
@@ -119,6 +120,46 @@ double longest_link(double radius, double depth) {
   return 2 * std::sqrt(depth * (2 * radius - depth));
 }
 
+/// Connectors that overlap at the start and pass through each other.
+void look_at_connectors(const World& world, std::vector<std::string>& warnings) {
+  constexpr std::size_t kMost = 300;  // connectors, of which all pairs are looked at
+  World other = world;
+  other.connector_pairs.clear();
+  std::vector<std::size_t> connector_of;
+  std::vector<Vec3> places;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    places.insert(places.end(), connector.position.begin(), connector.position.end());
+    connector_of.insert(connector_of.end(), connector.particles(), c);
+    if (c >= kMost || !(connector.radius > 0)) continue;
+    for (std::size_t b = 0; b < c; ++b) {
+      const bool touch = std::ranges::any_of(world.connector_pairs, [&](const ConnectorPair& pair) {
+        return std::minmax(pair.a, pair.b) == std::minmax(b, c);
+      });
+      if (!touch && world.connectors[b].radius > 0) other.connector_pairs.push_back({b, c});
+    }
+  }
+  contact::NearLinks near;
+  near.rebuild(other);
+  if (!near.any()) return;
+  std::vector<contact::LinkPair> pairs;
+  near.find({places.data()->data(), 3 * places.size()}, 0, pairs);
+  for (const contact::LinkPair& pair : pairs) {
+    const std::string_view a = written_name(world.connectors[connector_of[pair.a]].name),
+                           b = written_name(world.connectors[connector_of[pair.b]].name);
+    std::string text =
+        a == b ? fmt::format(
+                     "connectors {} pass through each other: touches_itself = true lets "
+                     "them touch",
+                     a)
+               : fmt::format(
+                     "connectors {} and {} pass through each other: a table of touching "
+                     "with both lets them touch",
+                     a, b);
+    if (std::ranges::find(warnings, text) == warnings.end()) warnings.push_back(std::move(text));
+  }
+}
+
 /// Beads touch obstacles, the links between them do not.
 void look_at_beads(const World& world, std::vector<std::string>& warnings) {
   constexpr double kDip = 0.05;  // of the obstacle's radius, or the rope's own if that is more
@@ -160,6 +201,7 @@ std::vector<std::string> warnings_of(const Scene& scene, double seconds,
   if (!anything) {
     warnings.emplace_back("nothing is simulated: there is no connector and no free body");
   }
+  look_at_connectors(scene.world, warnings);
   look_at_beads(scene.world, warnings);
   if (!scene.stage) return warnings;
   std::ranges::copy(left_out(*scene.stage), std::back_inserter(warnings));

@@ -168,6 +168,10 @@ class TouchingReader {
     std::vector<std::vector<std::size_t>> named;
     for (const Value& name : list.children) {
       connectors_.index_of(document_, name, "connector or net");
+      const auto same = [&](const Value& other) {
+        return &other != &name && other.text == name.text;
+      };
+      if (std::ranges::any_of(list.children, same)) document_.fail(name, "is there twice");
       named.push_back(connectors_named(name.text));
     }
     for (std::size_t i = 0; i < named.size(); ++i) {
