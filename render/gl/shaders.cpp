@@ -209,12 +209,6 @@ void threads_at(vec3 faces, out vec3 across, out vec3 along) {
 }
 #endif
 
-#if SURFACE == 2
-float crease_at(vec2 place) {
-  return 0.5 - abs(texture(noise, place).r - 0.5);
-}
-#endif
-
 // A normal tilted by heights over the surface (Mikkelsen 2010), given how these change along the
 // rest position: differences of heights between pixels would show the pixels' grid.
 vec3 bumped(vec3 n, vec3 rest_slope) {
@@ -280,12 +274,10 @@ void main() {
   float high = fade * (grain_scale > 1 ? 0.00007 : 0.00006);  // m
   vec3 rises = high * (wave_slope(turns.x) * wave_second * first +
                        wave_first * wave_slope(turns.y) * second);
-  // Creases that no vertex has room for: where noise is 1/2, some 4 cm apart. Their slope is the
-  // difference over 0.016 of the texture, four texels: its 8 bits show in one.
+  // Creases that no vertex has room for, some 4 cm apart, and 19 mm high for 1 of the noise.
   vec2 place = vec2(dot(rest_position, across), dot(rest_position, along)) * vec2(2.3, 1.5);
-  float crease = crease_at(place);
-  rises += 0.019 / 0.016 * ((crease_at(place + vec2(0.016, 0)) - crease) * 2.3 * across +
-                            (crease_at(place + vec2(0, 0.016)) - crease) * 1.5 * along);
+  vec2 slope = (255.0 * texture(noise, place).ba - 128.0) / 510.0 * (256.0 / 4.0);
+  rises += 0.019 * (slope.x * 2.3 * across + slope.y * 1.5 * along);
   n = bumped(n, rises);
   wrap = vec3(0.15);
 #elif SURFACE == 3  // skin: light that went in comes out redder past the terminator

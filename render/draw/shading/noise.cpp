@@ -47,8 +47,11 @@ class ValueNoise {
 }  // namespace
 
 gl::GlObject make_noise_texture(const gl::Gl& gl) {
-  constexpr int kSize = 256, kLevels = 9, kOctaves = 4;
-  std::vector<std::uint8_t> pixels(2 * kSize * kSize);
+  constexpr int kSize = 256, kLevels = 9, kOctaves = 4, kChannels = 4;
+  std::vector<std::uint8_t> pixels(kChannels * kSize * kSize);
+  const auto channels = [&](int x, int y) {
+    return &pixels[kChannels * std::size_t(y % kSize * kSize + x % kSize)];
+  };
   for (std::uint32_t channel = 0; channel < 2; ++channel) {
     std::vector<ValueNoise> octaves;
     std::vector<float> scales;                // cells of a pixel
@@ -65,13 +68,26 @@ gl::GlObject make_noise_texture(const gl::Gl& gl) {
           sum += amplitude * octaves[i].at(float(x) * scales[i], float(y) * scales[i]);
           amplitude *= 0.5f;
         }
-        pixels[2 * std::size_t(y * kSize + x) + channel] =
-            std::uint8_t(std::lround(255 * sum / (1 - amplitude * 2)));
+        channels(x, y)[channel] = std::uint8_t(std::lround(255 * sum / (1 - amplitude * 2)));
       }
   }
-  gl::GlObject texture = gl::make_texture(gl, GL_RG8, kSize, kSize, 0, kLevels);
+  // Creases are where the first channel is 1/2. Their slope is the difference over four texels: its
+  // 8 bits show in one.
+  constexpr int kOver = 4, kNoRise = 128;
+  const auto height = [&](int x, int y) { return -std::abs(2 * int(channels(x, y)[0]) - 255); };
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const int here = height(x, y);
+      const auto rise = [&](int there) {
+        return std::uint8_t(std::clamp(kNoRise + there - here, 0, 255));
+      };
+      channels(x, y)[2] = rise(height(x + kOver, y));
+      channels(x, y)[3] = rise(height(x, y + kOver));
+    }
+  gl::GlObject texture = gl::make_texture(gl, GL_RGBA8, kSize, kSize, 0, kLevels);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.TextureSubImage2D(texture.id(), 0, 0, 0, kSize, kSize, GL_RG, GL_UNSIGNED_BYTE, pixels.data());
+  gl.TextureSubImage2D(texture.id(), 0, 0, 0, kSize, kSize, GL_RGBA, GL_UNSIGNED_BYTE,
+                       pixels.data());
   gl.GenerateTextureMipmap(texture.id());
   gl.TextureParameteri(texture.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
   gl.TextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
