@@ -246,7 +246,7 @@ std::shared_ptr<const Model> cove_at(double height, const CameraKey& camera) {
   Model model;
   model.name = "cove";
   model.materials.push_back(
-      {.name = "Backdrop", .base_color = {0.170F, 0.205F, 0.240F}, .roughness = 0.9F});
+      {.name = "Backdrop", .base_color = {0.250F, 0.275F, 0.295F}, .roughness = 0.9F});
   model.meshes.push_back(std::move(mesh));
   return std::make_shared<const Model>(std::move(model));
 }
@@ -274,11 +274,20 @@ double floor_of(const Scene& scene, const std::vector<Vec3>& points, double size
   return lowest;
 }
 
+std::shared_ptr<const Model> rod(const Vec3& from, const Vec3& to, double radius,
+                                 const Vec3& color) {
+  const Vec3 along = to - from;
+  return std::make_shared<const Model>(
+      obstacle_model({.kind = Shape::Kind::cylinder, .radius = radius, .length = along.norm()}, 0,
+                     {from + along / 2, Quat::FromTwoVectors(Vec3::UnitY(), along)}, color));
+}
+
 /// A steel ball at each fixed point that holds a connector. It hangs on a rod from above the
-/// picture or, where something gets higher than that, sits on one from the wall behind it.
+/// picture or, if something rises higher, sits on the arm of a post that stands behind it.
 std::vector<std::shared_ptr<const Model>> pins_of(const Scene& scene, const CameraKey& camera,
-                                                  double highest, double size) {
+                                                  double floor, double highest, double size) {
   constexpr double kHigher = 0.08;  // of the size
+  constexpr double kBehind = 0.25;  // of the size, from a ball to its post
   std::vector<std::shared_ptr<const Model>> pins;
   const Vec3 steel(0.10, 0.10, 0.11);
   Vec3 back = camera.target - camera.position;
@@ -289,15 +298,14 @@ std::vector<std::shared_ptr<const Model>> pins_of(const Scene& scene, const Came
     for (const Hold& hold : scene.world.connectors[c].holds) {
       if (hold.to.kind != Attachment::Kind::fixed) continue;
       const bool hangs = highest < hold.to.point.y() + kHigher * size;
-      const Vec3 way = hangs ? Vec3(Vec3::UnitY()) : back;
-      const double length = hangs ? size : wall_distance(camera);
+      const Vec3 end = hold.to.point + (hangs ? Vec3(size * Vec3::UnitY()) : kBehind * size * back);
       Model ball = sphere_model(thick, steel);
       ball.name = "pin";
       move(ball, hold.to.point);
       pins.push_back(std::make_shared<const Model>(std::move(ball)));
-      pins.push_back(std::make_shared<const Model>(obstacle_model(
-          {.kind = Shape::Kind::cylinder, .radius = thick / 4, .length = length}, 0,
-          {hold.to.point + length / 2 * way, Quat::FromTwoVectors(Vec3::UnitY(), way)}, steel)));
+      pins.push_back(rod(hold.to.point, end, thick / 4, steel));
+      if (!hangs && end.y() > floor + thick)
+        pins.push_back(rod({end.x(), floor, end.z()}, end, thick / 3, steel));
     }
   }
   return pins;
@@ -500,10 +508,11 @@ std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes
   find_looks(document, scene, size);
   give_boxes(scene);
   if (written && written->find("scenery")) return left_out;
-  stage.scenery.push_back(cove_at(floor_of(scene, points, size), camera));
+  const double floor = floor_of(scene, points, size);
+  stage.scenery.push_back(cove_at(floor, camera));
   for (ConnectorLook& look : stage.connector_looks) look.knob = kPin * look.diameter;
   const double highest = std::ranges::max(points, {}, [](const Vec3& p) { return p.y(); }).y();
-  const auto pins = pins_of(scene, camera, highest, size);
+  const auto pins = pins_of(scene, camera, floor, highest, size);
   if (pins.size() <= kMostPins) stage.scenery.insert(stage.scenery.end(), pins.begin(), pins.end());
   return left_out;
 }

@@ -94,6 +94,33 @@ to = { point_mass = 1 }
   EXPECT_GT(top, -0.06);
 }
 
+TEST_F(DefaultStage, AFixedEndBelowWhatMovesIsHeldByAPostOnTheGround) {
+  const scenes::Scene scene = staged(R"(duration = 0.1
+fps = 30
+[connectors.rope]
+length = 1
+mass = 0.01
+particles = 11
+from = { fixed = [0, 1, 0] }
+to = { point_mass = 1 }
+start = { points = [[0, 1, 0], [0, 1.3, 0], [0.05, 0.6, 0]] }
+)");
+  ASSERT_EQ(scene.stage->scenery.size(), 4u) << "the cove, a pin, its arm and its post";
+  const auto box = [&](std::size_t i) {
+    Eigen::AlignedBox3d around;
+    for (const scenes::Vertex& vertex : scene.stage->scenery[i]->meshes[0].vertices)
+      around.extend(Eigen::Vector3f(vertex.position.data()).cast<double>());
+    return around;
+  };
+  const double ground = box(0).min().y();
+  EXPECT_LT(ground, 0.6);
+  EXPECT_NEAR(box(3).min().y(), ground, 1e-6) << "the post stands on the ground";
+  EXPECT_NEAR(box(3).max().y(), 1, 1e-6) << "and is as high as the pin";
+  EXPECT_TRUE(box(2).intersects(box(1))) << "the arm begins at the pin";
+  EXPECT_TRUE(box(2).intersects(box(3))) << "and ends at the post";
+  EXPECT_FALSE(box(3).intersects(box(1))) << "which stands behind it";
+}
+
 TEST_F(DefaultStage, LooksAreByKindAndBodiesHaveOne) {
   const scenes::Scene scene = staged(kRope);
   using Kind = scenes::ConnectorLook::Kind;
