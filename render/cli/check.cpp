@@ -419,9 +419,9 @@ int run(const Options& options, const program::Common& common) {
 
 void add_check(CLI::App& app, program::Program& program) {
   using namespace check_command;
-  program::Command command = program::add_command(
-      app, program, "check", "What is wrong with a scene, and what it would do",
-      R"(  taut check scenes/nunchaku.toml
+  program::Command command =
+      program::add_command(app, program, "check", "Validate a scene and estimate its cost",
+                           R"(  taut check scenes/nunchaku.toml
   taut check scenes/nunchaku.toml --json
   taut check --plans scenes/*.toml                 their plans, as a table in Markdown
   taut check --features                            the methods and the features that they follow

@@ -183,9 +183,10 @@ int run(const Options& options, const program::Common& common) {
 
 void add_choreograph(CLI::App& app, program::Program& program) {
   using namespace choreograph_command;
-  program::Command command = program::add_command(
-      app, program, "choreograph", "The hand's path that leads a free stick through given points",
-      R"(  taut choreograph scenes/choreography/turning_eight.toml
+  program::Command command =
+      program::add_command(app, program, "choreograph",
+                           "Find the hand's path that leads a free stick through given points",
+                           R"(  taut choreograph scenes/choreography/turning_eight.toml
   taut choreograph scenes/choreography/turning_eight.toml --as-it-stands
   taut choreograph scenes/choreography/turning_eight.toml -o path.csv --json
 

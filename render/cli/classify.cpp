@@ -187,9 +187,10 @@ int run(const Options& options, const program::Common& common) {
 
 void add_classify(CLI::App& app, program::Program& program) {
   using namespace classify_command;
-  program::Command command = program::add_command(
-      app, program, "classify", "The class of the motion of each method in each scene",
-      R"(  taut classify scenes/hard/*.toml
+  program::Command command =
+      program::add_command(app, program, "classify",
+                           "Classify the result of each method: accurate, stretched, failed ...",
+                           R"(  taut classify scenes/hard/*.toml
   taut classify scenes/hard/whip.toml --methods xpbd,direct
   taut classify scenes/hard/*.toml --markdown --methods impulse,springs,direct
   taut classify scenes/rope_swing.toml --methods springs --set step=0.001 --set stiffness=1e6

@@ -130,9 +130,9 @@ int run(const Options& options, const program::Common& common) {
 
 void add_plan(CLI::App& app, program::Program& program) {
   using namespace plan_command;
-  program::Command command = program::add_command(
-      app, program, "plan", "The cheapest model that nobody can tell from the reference solution",
-      R"(  taut plan scenes/rope_swing.toml --tolerance 1px
+  program::Command command =
+      program::add_command(app, program, "plan", "Find the cheapest settings within an error",
+                           R"(  taut plan scenes/rope_swing.toml --tolerance 1px
   taut plan scenes/nunchaku.toml --tolerance 0.5mm --budget 3600
   taut plan scenes/rope_swing.toml --tolerance 1px --write
   taut render scenes/rope_swing.toml --planned

@@ -134,7 +134,7 @@ int run(const options::StudyOptions& options, const program::Common& common) {
 void add_report(CLI::App& app, program::Program& program) {
   using namespace report_command;
   program::Command command = program::add_command(
-      app, program, "report", "Everything that is measured of scenes, as one page",
+      app, program, "report", "Accuracy, costs, failures and clips of scenes on one page",
       R"(  taut report scenes/rope_swing.toml
   taut report scenes/rope_swing.toml scenes/bench_stick.toml --quick
   taut report scenes/rope_swing.toml --methods springs,xpbd,direct --budget 120

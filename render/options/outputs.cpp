@@ -43,8 +43,8 @@ void add_output_options(program::Command& command, OutputOptions& options) {
                    "No background but opacity: frames, .png, .webm, .mov, .webp, .apng");
   command
       .add_option("--preset", options.preset,
-                  "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples; "
-                  "4k: 3840 wide")
+                  "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples, "
+                  "which need a GPU; 4k: 3840 wide")
       .one_of({"draft", "final", "4k"});
   command.add_flag("--preview", options.preview,
                    "See a scene at once: 480 pixels wide, a sharp sample per pixel, at most 24 "

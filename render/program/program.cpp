@@ -40,7 +40,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   taut demo                                       a first picture within seconds, then a clip
   taut render scenes/nunchaku.toml                its clip, in out/nunchaku
-  taut check scenes/nunchaku.toml                 what is wrong with a scene, and what it would do
+  taut check scenes/nunchaku.toml                 validate a scene and estimate its cost
   taut simulate scenes/nunchaku.toml --csv t.csv  its trajectory, without pictures
   taut COMMAND --help                             more about one command
 
