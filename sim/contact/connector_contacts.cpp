@@ -11,9 +11,9 @@ using ConstMap = Eigen::Map<const Vec3>;
 
 /// By how much of its length something that slides by `slip` is held back, if it can be by `push`
 /// times the coefficient of friction.
-double held_share(const Obstacle& obstacle, double slip, double push) {
-  if (slip <= obstacle.static_friction * push) return 1;
-  return std::min(1.0, obstacle.kinetic_friction * push / slip);
+double held_share(const auto& surface, double slip, double push) {
+  if (slip <= surface.static_friction * push) return 1;
+  return std::min(1.0, surface.kinetic_friction * push / slip);
 }
 
 /// The middle line of a ball or a capsule: how near it is costs less than the normal of a surface.
@@ -109,6 +109,10 @@ struct Lever {
   double share, first_mobility, last_mobility;
 
   Vec3 value() const { return between(first, last, share); }
+  double mobility() const {
+    if (share == 0) return first_mobility;
+    return (1 - share) * (1 - share) * first_mobility + share * share * last_mobility;
+  }
   /// Changes the value there by `change`, as an impulse at that point does.
   void add(const Vec3& change) const {
     if (share == 0) {
@@ -123,12 +127,33 @@ struct Lever {
   }
 };
 
+/// The point of one link past that of another.
+struct LeverPair {
+  Lever one, other;
+
+  Vec3 value() const { return one.value() - other.value(); }
+  void add(const Vec3& change) const {
+    const double sum = one.mobility() + other.mobility();
+    if (one.mobility() > 0) one.add(one.mobility() / sum * change);
+    if (other.mobility() > 0) other.add(-other.mobility() / sum * change);
+  }
+};
+
 /// Of places or velocities, as `part` says where a point has them in the state.
 Lever lever(const Mechanism& mechanism, std::size_t (Mechanism::*part)(std::size_t) const,
             std::size_t point, std::size_t next, double share, std::vector<double>& state) {
   const auto& mobile = mechanism.inverse_mass();
   return {&state[(mechanism.*part)(point)], &state[(mechanism.*part)(next)], share, mobile[point],
           mobile[next]};
+}
+
+LeverPair levers(const Mechanism& mechanism, std::size_t (Mechanism::*part)(std::size_t) const,
+                 const LinkPair& links, const NearestShares& shares, std::vector<double>& state) {
+  const auto of = [&](std::size_t point, double share) {
+    return lever(mechanism, part, mechanism.leader(point), mechanism.leader(point + 1), share,
+                 state);
+  };
+  return {of(links.a, shares.first), of(links.b, shares.other)};
 }
 
 }  // namespace
@@ -138,6 +163,16 @@ void ConnectorContacts::rebuild(const Mechanism& mechanism, const World& world) 
   radius_.clear();
   category_.clear();
   links_.clear();
+  near_.rebuild(world);
+  rules_ = world.connector_pairs;
+  thickness_.clear();
+  leaders_.clear();
+  for (const Connector& connector : world.connectors) {
+    if (!near_.any()) break;
+    thickness_.insert(thickness_.end(), connector.particles(), connector.radius);
+  }
+  for (std::size_t p = 0; p < thickness_.size(); ++p)
+    leaders_.push_back(small(mechanism.leader(p)));
   if (obstacles_.empty()) return;
   radius_.reserve(mechanism.state_room());  // enough for points that pins add
   category_.reserve(mechanism.state_room());
@@ -194,6 +229,40 @@ void ConnectorContacts::find_links(const Mechanism& mechanism, std::size_t obsta
   }
 }
 
+/// Finds the links that are inside of each other. Those that have passed each other since `before`
+/// go back to their sides.
+void ConnectorContacts::find_crossed(const Mechanism& mechanism, double dt,
+                                     const std::vector<double>& before,
+                                     const std::vector<double>& state) {
+  crossed_.clear();
+  if (!near_.any()) return;
+  near_.find({state.data(), 3 * mechanism.points()}, 0, pairs_);
+  const auto& mobile = mechanism.inverse_mass();
+  for (LinkPair pair : pairs_) {
+    const std::uint32_t a = leaders_[pair.a], b = leaders_[pair.a + 1], c = leaders_[pair.b],
+                        d = leaders_[pair.b + 1];
+    if (mobile[a] + mobile[b] + mobile[c] + mobile[d] == 0) continue;
+    const auto place = [&](std::uint32_t point) {
+      return Vec3(ConstMap(&state[mechanism.position(point)]));
+    };
+    Crossed made{.links = pair, .shares = nearest_shares(place(a), place(b), place(c), place(d))};
+    made.thick = thickness_[pair.a] + thickness_[pair.b];
+    const auto apart = [&](auto&& at) {
+      return Vec3((1 - made.shares.first) * at(a) + made.shares.first * at(b) -
+                  (1 - made.shares.other) * at(c) - made.shares.other * at(d));
+    };
+    const Vec3 now = apart(place);
+    const Vec3 was = apart([&](std::uint32_t point) -> Vec3 {
+      if (!before.empty()) return ConstMap(&before[mechanism.position(point)]);
+      return place(point) - dt * ConstMap(&state[mechanism.velocity(point)]);
+    });
+    const double distance = now.norm();
+    if (!(distance > 0)) continue;
+    made.normal = (now.dot(was) < 0 ? -1 : 1) / distance * now;
+    crossed_.push_back(made);
+  }
+}
+
 void ConnectorContacts::move_out(const Mechanism& mechanism, double time, double dt,
                                  const std::vector<double>& before, std::vector<double>& state) {
   find(mechanism, time, state);
@@ -205,6 +274,23 @@ void ConnectorContacts::move_out(const Mechanism& mechanism, double time, double
     const Vec3 moved = at.value() - was - dt * met.surface;
     const Vec3 slip = moved - met.normal.dot(moved) * met.normal;
     at.add(-held_share(obstacles_[met.obstacle], slip.norm(), met.depth) * slip);
+  }
+  find_crossed(mechanism, dt, before, state);
+  for (const Crossed& at : crossed_) {
+    const LeverPair place = levers(mechanism, &Mechanism::position, at.links, at.shares, state);
+    // Links beside have moved these already.
+    const double depth = at.thick - at.normal.dot(place.value());
+    if (depth <= 0) continue;
+    place.add(depth * at.normal);
+    const auto part = [&](std::uint32_t point) {
+      return Vec3(ConstMap(&before[mechanism.position(mechanism.leader(point))]));
+    };
+    const Vec3 was =
+        (1 - at.shares.first) * part(at.links.a) + at.shares.first * part(at.links.a + 1) -
+        (1 - at.shares.other) * part(at.links.b) - at.shares.other * part(at.links.b + 1);
+    const Vec3 moved = place.value() - was;
+    const Vec3 slip = moved - at.normal.dot(moved) * at.normal;
+    place.add(-held_share(rules_[at.links.rule], slip.norm(), depth) * slip);
   }
 }
 
@@ -218,6 +304,19 @@ void ConnectorContacts::rebound(const Mechanism& mechanism, double dt,
     const double into = met.normal.dot(met.surface - came);
     const double back = into > resting ? obstacles_[met.obstacle].restitution * into : 0;
     at.add((back - met.normal.dot(at.value() - met.surface)) * met.normal);
+  }
+  for (const Crossed& at : crossed_) {
+    const LeverPair speed = levers(mechanism, &Mechanism::velocity, at.links, at.shares, state);
+    const auto part = [&](std::uint32_t point) {
+      return Vec3(ConstMap(&before[mechanism.velocity(mechanism.leader(point))]));
+    };
+    const Vec3 came =
+        (1 - at.shares.first) * part(at.links.a) + at.shares.first * part(at.links.a + 1) -
+        (1 - at.shares.other) * part(at.links.b) - at.shares.other * part(at.links.b + 1);
+    const double into = -at.normal.dot(came);
+    const double back = into > resting ? rules_[at.links.rule].restitution * into : 0;
+    const double parts = at.normal.dot(speed.value());
+    if (parts < back) speed.add((back - parts) * at.normal);
   }
 }
 
@@ -236,6 +335,19 @@ void ConnectorContacts::stop(const Mechanism& mechanism, double time, double dt,
     const double push = into * (1 + (into > resting ? obstacle.restitution : 0));
     const Vec3 slip = passing + into * met.normal;
     at.add(push * met.normal - held_share(obstacle, slip.norm(), push) * slip);
+  }
+  find_crossed(mechanism, dt, {}, state);
+  for (const Crossed& at : crossed_) {
+    const LeverPair place = levers(mechanism, &Mechanism::position, at.links, at.shares, state);
+    const double depth = at.thick - at.normal.dot(place.value());
+    if (depth > 0) place.add(depth * at.normal);
+    const LeverPair speed = levers(mechanism, &Mechanism::velocity, at.links, at.shares, state);
+    const double into = -at.normal.dot(speed.value());
+    if (into <= 0) continue;
+    const ConnectorPair& rule = rules_[at.links.rule];
+    const double push = into * (1 + (into > resting ? rule.restitution : 0));
+    const Vec3 slip = speed.value() + into * at.normal;
+    speed.add(push * at.normal - held_share(rule, slip.norm(), push) * slip);
   }
 }
 

@@ -1,10 +1,11 @@
 // Contact of connectors as games do it: beads, and links where they touch, inside of obstacles are
-// moved out, and rubbed.
+// moved out, and rubbed; links inside of each other are moved apart.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "sim/contact/near_links.h"
 #include "sim/links/mechanism.h"
 #include "sim/world/world.h"
 
@@ -18,7 +19,7 @@ class ConnectorContacts {
   /// Call when the topology is new.
   void rebuild(const Mechanism& mechanism, const World& world);
 
-  bool any() const { return !obstacles_.empty(); }
+  bool any() const { return !obstacles_.empty() || near_.any(); }
 
   /// Moves beads and links out to the surfaces, and against their sliding since the positions of
   /// `before`, as far as Coulomb's law lets the depth (Mueller et al. 2020, section 3.5).
@@ -45,7 +46,16 @@ class ConnectorContacts {
     Vec3 normal = Vec3::UnitY(), surface = Vec3::Zero();  // m/s, of the obstacle there
     double depth = 0;                                     // m
   };
+  /// Two links that are inside of each other, at the points where they are nearest.
+  struct Crossed {
+    LinkPair links;  // first points
+    NearestShares shares;
+    Vec3 normal = Vec3::UnitY();  // out of the second
+    double thick = 0;             // m, both radii
+  };
   void find(const Mechanism& mechanism, double time, const std::vector<double>& state);
+  void find_crossed(const Mechanism& mechanism, double dt, const std::vector<double>& before,
+                    const std::vector<double>& state);
   void find_links(const Mechanism& mechanism, std::size_t obstacle, const FrameMotion& frame,
                   const std::vector<double>& state);
 
@@ -54,6 +64,12 @@ class ConnectorContacts {
   std::vector<std::uint64_t> category_;  // per point
   std::vector<Link> links_;              // that touch
   std::vector<Met> met_;                 // beads and links by obstacle
+  NearLinks near_;
+  std::vector<ConnectorPair> rules_;
+  std::vector<double> thickness_;       // m, per point: of its connector
+  std::vector<std::uint32_t> leaders_;  // per point
+  std::vector<LinkPair> pairs_;
+  std::vector<Crossed> crossed_;
 };
 
 }  // namespace taut::contact

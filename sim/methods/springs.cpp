@@ -162,8 +162,7 @@ MethodInfo springs_method() {
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .abilities =
-          {Features::all() - kPulleyFeatures - kConnectorContact -
-               Features{Feature::span, Feature::clamp_on_body},
+          {Features::all() - kPulleyFeatures - Features{Feature::span, Feature::clamp_on_body},
            {
                {Feature::winch, kContactFeatures | Feature::strings},
                {Feature::winch, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},

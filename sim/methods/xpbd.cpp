@@ -223,8 +223,7 @@ MethodInfo xpbd_method() {
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .abilities =
-          {Features::all() - kPulleyFeatures - kConnectorContact -
-               Features{Feature::span, Feature::clamp_on_body},
+          {Features::all() - kPulleyFeatures - Features{Feature::span, Feature::clamp_on_body},
            {
                {Feature::winch, Feature::friction,
                 "rope of a winch flows past the particles that touch"},

@@ -165,6 +165,58 @@ TEST(ConnectorContact, LinkedRingsStayLinkedHoweverFastTheyAreThrown) {
   }
 }
 
+class ConnectorContactInGames : public testing::TestWithParam<const char*> {};
+
+TEST_P(ConnectorContactInGames, ABarSlidesDownABeamAsOnASlope) {
+  constexpr double kThick = 0.05, kSlope = M_PI / 6, kTime = 0.4;
+  const Vec3 down(std::cos(kSlope), -std::sin(kSlope), 0),
+      up(std::sin(kSlope), std::cos(kSlope), 0);
+  for (const double friction : {0.0, 0.3, 0.7}) {
+    World world;
+    hold_both_ends(add_rod(world, "beam", -down, 2 * down, 1, kThick));
+    const Vec3 at = (kThick + kRadius) * up;
+    add_rod(world, "bar", at - 0.2 * Vec3::UnitZ(), at + 0.2 * Vec3::UnitZ(), 0.1);
+    world.connector_pairs = {{0, 1, friction, friction, 0}};
+    finish(world);
+    const double pull = std::sin(kSlope) - friction * std::cos(kSlope);
+    const double slides = std::max(worlds::kGravity * pull, 0.0) * kTime * kTime / 2;
+    Simulation simulation(world, make_method(GetParam(), {{"step", 1e-4}}));
+    simulation.advance_to(kTime);
+    const Vec3 error = middle(simulation.world().connectors[1]) - at - slides * down;
+    EXPECT_LT(error.norm(), 2e-3) << friction;
+  }
+}
+
+TEST_P(ConnectorContactInGames, RodsThatMeetInTheMiddleDivideTheSpeedByNewtonsLaw) {
+  for (const double restitution : {0.0, 0.6, 1.0}) {
+    World world;
+    world.gravity.setZero();
+    give(add_rod(world, "a", Vec3(-0.5, -0.1, 0), Vec3(0.5, -0.1, 0), 1), Vec3::UnitY());
+    add_rod(world, "b", Vec3(0, 0.1, -0.5), Vec3(0, 0.1, 0.5), 1);
+    world.connector_pairs = {{0, 1, 0.5, 0.5, restitution}};
+    finish(world);
+    Simulation simulation(world, make_method(GetParam(), {{"step", 1e-4}}));
+    simulation.advance_to(0.5);
+    const World& end = simulation.world();
+    EXPECT_NEAR(end.connectors[0].velocity[0].y(), (1 - restitution) / 2, 1e-6) << restitution;
+    EXPECT_NEAR(end.connectors[1].velocity[0].y(), (1 + restitution) / 2, 1e-6) << restitution;
+  }
+}
+
+TEST_P(ConnectorContactInGames, LinkedRingsStayLinked) {
+  World world = linked_rings();
+  give(world.connectors[1], 5 * Vec3(1, 0.2, 0.1));
+  Simulation simulation(world, make_method(GetParam(), {{"step", 1e-4}}));
+  for (int i = 1; i <= 10; ++i) {
+    simulation.advance_to(0.02 * i);
+    const World& now = simulation.world();
+    EXPECT_EQ(std::abs(linking_number(curve_of(now, 0), curve_of(now, 1))), 1) << i;
+    EXPECT_LT((linear_momentum(now) - linear_momentum(world)).norm(), 1e-9) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ConnectorContactInGames, testing::Values("xpbd", "springs"));
+
 TEST(ConnectorContact, AChainOnItselfKeepsItsMomentaAndDoesNotPass) {
   World world;
   world.gravity.setZero();

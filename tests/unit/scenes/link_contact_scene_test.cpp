@@ -106,7 +106,7 @@ TEST_F(LinkContactScene, FaultsOfConnectorsThatTouchAreNamed) {
     if (!method.missing.empty() || method.abilities.follows.has(Feature::connector_pairs)) continue;
     expect(touch("\"high\", \"low\"", "[method]\nname = \"" + std::string(method.name) + "\"\n"),
            "the method " + std::string(method.name) +
-               " does not follow contact between connectors, expected one of: direct");
+               " does not follow contact between connectors, expected one of: springs, xpbd, direct");
   }
 }
 
