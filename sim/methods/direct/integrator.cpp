@@ -48,7 +48,7 @@ void Integrator::reserve(std::size_t links, std::size_t ends) {
 
 void Integrator::plan(const World& world, double time, const std::optional<Plane>& plane) {
   planned_at_ = time;
-  system_.rebuild(world, component_, plane, rows_);
+  system_.rebuild(world, component_, plane);
   arena_.reset(kArrays, system_.size());
   for (Slice* slice :
        {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
@@ -68,9 +68,7 @@ void Integrator::plan(const World& world, double time, const std::optional<Plane
 }
 
 void Integrator::load(const World& world) {
-  std::optional<Plane> plane;  // which the rows may leave
-  if (rows_.empty()) plane = planes_.find(world, component_, world.time, Vec3::Zero());
-  plan(world, world.time, plane);
+  plan(world, world.time, planes_.find(world, component_, world.time, Vec3::Zero()));
   time_ = world.time;
   system_.load(world, time_, q_.data(), rate_.data());
   system_.project(time_, q_.data(), rate_.data());

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <span>
-#include <vector>
 
 #include "sim/methods/direct/constants.h"
 #include "sim/methods/direct/schemes/adams.h"
@@ -44,10 +42,6 @@ class Integrator {
   /// Follows the component, which must stay, once it is loaded. A single span may get other indices
   /// in the world, from which it goes on.
   void follow(const Component& component) { component_ = component; }
-  /// Rows that hold from the next load() on; they must stay as long.
-  void set_rows(std::span<const ConstraintRow* const> rows) {
-    rows_.assign(rows.begin(), rows.end());
-  }
   /// Reads the state from the world.
   void load(const World& world);
   /// Steps to `until` or beyond; writes to the world only where it has to be planned anew. Throws
@@ -124,7 +118,6 @@ class Integrator {
   StepOptions options_;
   PlaneFinder planes_;
   System system_;
-  std::vector<const ConstraintRow*> rows_;
   Dop853Step dop853_;
   AdamsStep adams_;
   RosenbrockStep rosenbrock_;

@@ -103,8 +103,6 @@ class Links {
   void respond(double* response);
   void add_response(const double* response, double factor);
   double scale(std::size_t link) const { return scale_[link]; }
-  /// All of them, in units of scale().
-  std::span<double> unknowns() { return {unknown_, count_}; }
   /// u'' as far as the tensions cause it at particles that nothing holds.
   void pull(const double* q, double* out);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "sim/links/equimomental_link.h"
 #include "sim/motion/rotation.h"
@@ -118,8 +117,7 @@ void System::reserve(std::size_t links, std::size_t ends) {
 }
 
 void System::rebuild(const World& world, const Component& component,
-                     const std::optional<Plane>& plane,
-                     std::span<const ConstraintRow* const> rows) {
+                     const std::optional<Plane>& plane) {
   world_ = &world;
   plane_ = plane;
   left_plane_.reset();
@@ -149,7 +147,6 @@ void System::rebuild(const World& world, const Component& component,
   order_spans(world, component.spans);
   measure_links(world);
   couple();
-  place_rows(rows);
   cycles_ = count_cycles();
 }
 
@@ -675,21 +672,12 @@ void System::move_bodies(const double* q, double* out) {
   }
 }
 
-void System::solve_tensions() {
-  links_.solve();
-  if (!coupled_.empty()) add_couplings();
-}
-
 /// Solves the system and writes the accelerations that the tensions and the ends' leads cause.
 void System::respond(const double* q, double* out) {
-  if (rows_.empty()) {
-    solve_tensions();
-  } else {
-    solve_with_rows(q);
-  }
+  links_.solve();
+  if (!coupled_.empty()) add_couplings();
   links_.pull(q, out);
   if (!bodies_.empty()) move_bodies(q, out);
-  if (!rows_.empty()) push_rows(q, out);
   for (const End& end : ends_) {
     links_.add(end.link, end.along,
                -end.pull * links_.inverse_rest(end.link) * end.free_acceleration, out);
@@ -707,8 +695,7 @@ double System::count_cycles() const {
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
   const double links = count(links_.count()), coupled = count(coupled_.size());
   return 450 + (plane_ ? 20 : 24) * links + 100 * count(ends_.size()) +
-         200 * count(bodies_.size()) + coupled * (15 * links + 50) + coupled * coupled * coupled +
-         count(rows_.size()) * (20 * links + 500);
+         200 * count(bodies_.size()) + coupled * (15 * links + 50) + coupled * coupled * coupled;
 }
 
 void System::acceleration(double time, const double* q, const double* rate, double* out) {
@@ -717,11 +704,6 @@ void System::acceleration(double time, const double* q, const double* rate, doub
     lead_bodies();
   }
   read_holds(time);
-  if (!rows_.empty()) {
-    place(time, q, rate);
-    evaluate_rows(time);
-    lead_rows();
-  }
   links_.assemble(q, rate);
   add_ends(q);
   respond(q, out);
@@ -764,160 +746,6 @@ void System::solve_factored(double* x) const {
   for (std::size_t k = quaternion(0); k < quaternion(bodies_.size()); ++k) x[k] /= factored_sigma_;
 }
 
-// Rows that border the tensions' system.
-
-/// Finds the points of the rows and the links that meet there.
-void System::place_rows(std::span<const ConstraintRow* const> rows) {
-  rows_.clear();
-  terms_.clear();
-  if (rows.empty()) return;
-  for (const ConstraintRow* row : rows) {
-    if (floats_) throw std::invalid_argument("a row needs a component that something holds");
-    rows_.push_back({.row = row, .first_term = terms_.size(), .value = {}});
-    for (const ConstraintRow::Particle& particle : row->particles()) {
-      terms_.push_back(term_of(particle));
-    }
-  }
-  const auto count = static_cast<Eigen::Index>(rows_.size());
-  row_gains_.resize(count, count);
-  row_rights_.resize(count);
-  row_responses_.resize(links_.count() * (rows_.size() + 1));
-}
-
-System::RowTerm System::term_of(const ConstraintRow::Particle& particle) const {
-  std::size_t p = 0;
-  for (const Span& span : spans_) {
-    const SpanRange& range = span.range;
-    if (range.connector == particle.connector && range.first <= particle.index &&
-        particle.index <= range.last) {
-      const std::size_t k =
-          (span.reversed ? range.last - particle.index : particle.index - range.first) +
-          (span.first_body_link == kNone ? 0 : 1);
-      RowTerm term{.point = p + k};
-      if (k == 0) term.end = span.first;
-      if (k == span.links) term.end = span.last;
-      if (k > 0) term.before = span.offset + k - 1;
-      if (k < span.links) term.after = span.offset + k;
-      if (term.end != kNone && ends_[term.end].body != kNone) {
-        throw std::invalid_argument("a row speaks of particles, none of them on a free body");
-      }
-      term.inverse_mass = term.before == kNone ? measured_[term.after].inverse_mass_first
-                                               : measured_[term.before].inverse_mass_second;
-      return term;
-    }
-    p += span.links + 1;
-  }
-  throw std::invalid_argument("a row speaks of a particle that its component has not");
-}
-
-/// How the rows stand; points_ are up to date.
-void System::evaluate_rows(double time) {
-  for (Bordered& bordered : rows_) {
-    const std::size_t count = bordered.row->particles().size();
-    row_points_.resize(count);
-    row_gradients_.resize(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      row_points_[k] = points_[terms_[bordered.first_term + k].point];
-    }
-    bordered.value = bordered.row->evaluate(time, row_points_, row_gradients_);
-    for (std::size_t k = 0; k < count; ++k) {
-      terms_[bordered.first_term + k].gradient = row_gradients_[k];
-    }
-  }
-}
-
-/// By how much (m/s^2) the tensions T bring the particles of a row together along its gradient:
-/// B'T, with B_i = w u_i . n for the link before a particle of inverse mass w, B_j = -w u_j . n for
-/// the one behind.
-template <typename Visit>
-void System::each_entry(const double* q, const Bordered& bordered, Visit visit) const {
-  for (std::size_t k = 0; k < bordered.row->particles().size(); ++k) {
-    const RowTerm& term = terms_[bordered.first_term + k];
-    const double w = term.inverse_mass;
-    if (w == 0) continue;
-    if (term.before != kNone) {
-      const Vec3 u = links_.direction(q, term.before);
-      visit(term.before, w * u.dot(term.gradient), u, w * term.gradient);
-    }
-    if (term.after != kNone) {
-      const Vec3 u = links_.direction(q, term.after);
-      visit(term.after, -w * u.dot(term.gradient), u, -w * term.gradient);
-    }
-  }
-}
-
-/// Solves A T = r + B y, C y - B'T = s for tensions T and multipliers y, r being the right side of
-/// the links and s that of the rows: (C - B'A^-1 B) y = s + B'A^-1 r.
-void System::solve_with_rows(const double* q) {
-  const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
-  const std::size_t links = links_.count();
-  const auto response = [&](std::size_t k) { return row_responses_.data() + k * links; };
-  const auto pulled = [&](const Bordered& bordered) {
-    double sum = 0;
-    each_entry(q, bordered, [&](std::size_t link, double entry, const Vec3&, const Vec3&) {
-      sum += entry * links_.tension(link);
-    });
-    return sum;
-  };
-  solve_tensions();
-  for (std::size_t k = 0; k < rows_.size(); ++k)
-    row_rights_[at(k)] = rows_[k].right + pulled(rows_[k]);
-  double* without = response(rows_.size());
-  std::ranges::copy(links_.unknowns(), without);
-  for (std::size_t c = 0; c < rows_.size(); ++c) {
-    links_.clear_right();
-    each_entry(q, rows_[c], [&](std::size_t link, double entry, const Vec3&, const Vec3&) {
-      links_.add_right(link, entry);
-    });
-    solve_tensions();
-    std::ranges::copy(links_.unknowns(), response(c));
-    for (std::size_t r = 0; r < rows_.size(); ++r)
-      row_gains_(at(r), at(c)) = mobility(r, c) - pulled(rows_[r]);
-  }
-  row_solver_.compute(row_gains_);
-  const Eigen::VectorXd multipliers = row_solver_.solve(row_rights_);
-  std::copy_n(without, links, links_.unknowns().begin());
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    rows_[k].multiplier = multipliers[at(k)];
-    links_.add_response(response(k), multipliers[at(k)]);
-  }
-}
-
-/// The response along one row's gradient to a unit force along another's, 1/kg.
-double System::mobility(std::size_t a, std::size_t b) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < rows_[a].row->particles().size(); ++i) {
-    for (std::size_t j = 0; j < rows_[b].row->particles().size(); ++j) {
-      const RowTerm &one = terms_[rows_[a].first_term + i],
-                    &other = terms_[rows_[b].first_term + j];
-      if (one.point == other.point) sum += one.inverse_mass * one.gradient.dot(other.gradient);
-    }
-  }
-  return sum;
-}
-
-/// Leaves to the rows what of g'' no multiplier causes.
-void System::lead_rows() {
-  for (Bordered& bordered : rows_) {
-    bordered.right = -bordered.value.velocity_term;
-    for (std::size_t k = 0; k < bordered.row->particles().size(); ++k) {
-      const RowTerm& term = terms_[bordered.first_term + k];
-      Vec3 acceleration = world_->gravity;
-      if (term.end != kNone) acceleration += ends_[term.end].free_acceleration;
-      bordered.right -= term.gradient.dot(acceleration);
-    }
-  }
-}
-
-/// The rows' own forces on the particles.
-void System::push_rows(const double* q, double* out) const {
-  for (const Bordered& bordered : rows_) {
-    each_entry(q, bordered, [&](std::size_t link, double, const Vec3& u, const Vec3& push) {
-      links_.add(link, u, links_.inverse_rest(link) * bordered.multiplier * push, out);
-    });
-  }
-}
-
 // The state of a system back to where its constraints and its momentum have it, and how far a
 // change of state moves what it is the state of.
 
@@ -943,7 +771,7 @@ Mat3 point_inertia(double mass, const Vec3& r) {
 
 bool System::project(double time, double* q, double* rate) {
   unit(q, rate);
-  if ((loops_ || !rows_.empty()) && !close(time, q, rate)) return false;
+  if (loops_ && !close(time, q, rate)) return false;
   if (floats_) restore_momentum(time, q, rate);
   return true;
 }
@@ -957,8 +785,8 @@ void System::unit(double* q, double* rate) const {
   }
 }
 
-/// How far the last points of the spans that close loops are from their places, in gaps_, and how
-/// the rows stand; returns the largest gap of place (m).
+/// How far the last points of the spans that close loops are from their places, in gaps_; returns
+/// the largest gap of place (m).
 double System::measure_gaps(double time, const double* q, const double* rate) {
   place(time, q, rate);
   double largest = 0;
@@ -971,21 +799,16 @@ double System::measure_gaps(double time, const double* q, const double* rate) {
     gaps_[s] = {goal.position - points_[p - 1].position, goal.velocity - points_[p - 1].velocity};
     largest = std::max(largest, gaps_[s].position.norm());
   }
-  evaluate_rows(time);
-  for (const Bordered& bordered : rows_) largest = std::max(largest, std::abs(bordered.value.gap));
   return largest;
 }
 
-/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths
-/// and the rows: impulses along the links and the rows' gradients, by the system of the tensions.
-/// Adds both to `array` (q or its rate).
-void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off,
-                    double* array) {
+/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths:
+/// impulses along the links, by the system of the tensions. Adds both to `array` (q or its rate).
+void System::spread(const double* q, Vec3 Point::*gap, double* array) {
   std::fill(still_.begin(), still_.end(), 0.0);
   turn_bodies(q, still_.data());
   lead_bodies();
   for (End& end : ends_) end.free_acceleration = Vec3::Zero();
-  for (Bordered& bordered : rows_) bordered.right = -(bordered.value.*off);
   links_.assemble(q, still_.data());
   add_ends(q);
   for (std::size_t s = 0; s < spans_.size(); ++s) {
@@ -1006,7 +829,7 @@ void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Val
   for (std::size_t k = 0; k < size(); ++k) array[k] += still_[k];
 }
 
-/// Closes the loops, and mends the rows, that an integrator's error has opened. Each round leaves
+/// Closes the loops that an integrator's error has opened. Each round leaves
 /// the square of the gap, or a quarter of it where links are straight. False where the places are
 /// out of reach, or the state too far from one whose loops are closed.
 bool System::close(double time, double* q, double* rate) {
@@ -1015,12 +838,12 @@ bool System::close(double time, double* q, double* rate) {
   constexpr double kOpen = 1e-11;    // of it, more than roundings of any closed loop
   double gap = measure_gaps(time, q, rate);
   for (int round = 0; round < kRounds && gap > kClosed * length_; ++round) {
-    spread(q, &Point::position, &ConstraintRow::Value::gap, q);
+    spread(q, &Point::position, q);
     unit(q, rate);
     gap = measure_gaps(time, q, rate);
   }
   if (!(gap <= kOpen * length_)) return false;
-  spread(q, &Point::velocity, &ConstraintRow::Value::rate, rate);
+  spread(q, &Point::velocity, rate);
   unit(q, rate);
   return true;
 }
@@ -1062,7 +885,7 @@ void System::restore_momentum(double time, double* q, double* rate) {
 }
 
 double System::projection_cost() const {
-  return loops_ || !rows_.empty() ? 6 : floats_ ? 1.5 : plane_ ? 0 : 0.2;  // measured
+  return loops_ ? 6 : floats_ ? 1.5 : plane_ ? 0 : 0.2;  // measured
 }
 
 double System::displacement(const double* change) const {

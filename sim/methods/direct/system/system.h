@@ -1,5 +1,4 @@
-// The system that the direct method steps: spans and free bodies that pull on each other, and
-// conditions on it that are no links of it.
+// The system that the direct method steps: spans and free bodies that pull on each other.
 #pragma once
 
 #include <cstddef>
@@ -16,33 +15,6 @@
 
 namespace taut::direct {
 
-/// A condition g(x, t) = 0 on the places x of a few particles of one component, g in metres. One
-/// multiplier keeps it: a force on each of those particles, along the gradient of g by its place. A
-/// kind of row is a class of its own; systems know nothing else of it.
-///
-/// Rows join and leave at any instant (Integrator::set_rows()). A joining row's violation by
-/// velocities is removed by one impulse along its gradient, as in an inelastic impact; its
-/// violation by places is mended as the mass matrix weighs it. Rows that contradict each other or
-/// the links end in steps that become too small.
-class ConstraintRow {
- public:
-  struct Particle {
-    std::size_t connector = 0, index = 0;
-  };
-  struct Value {
-    double gap = 0;            // m: g
-    double rate = 0;           // m/s: g'
-    double velocity_term = 0;  // m/s^2: g'' where no particle accelerates
-  };
-  virtual ~ConstraintRow() = default;
-
-  /// Each free or held by a point whose motion is known.
-  virtual std::span<const Particle> particles() const = 0;
-  /// Writes the gradient by the place of each of those particles, which are at `points` at `time`.
-  virtual Value evaluate(double time, std::span<const Point> points,
-                         std::span<Vec3> gradient) const = 0;
-};
-
 /// The motion of a component. Coordinates: the unit directions u of all links (in a plane their
 /// angles), then the unit quaternions (w x y z) of the bodies. For link i of length l between the
 /// points i and i+1, with a tension T_i that is positive where the link pulls:
@@ -53,17 +25,14 @@ class ConstraintRow {
 /// known; that of a body's point r from its centre is g + W x (W x r) + W' x r + F/M. Every tension
 /// meets only those of the neighbouring links and of the links at its bodies: one symmetric
 /// tridiagonal system for all spans, and a small dense one for bodies that several links hold.
-/// Conditions that links do not make (see ConstraintRow) border it with their multipliers.
 ///
 /// In a plane a component is one span, and bodies that hang by one point are links.
 class System : public Motion {
  public:
   /// Room for so many links, and spans with so many ends.
   void reserve(std::size_t links, std::size_t ends);
-  /// In `plane`, which must suit the world's present state and the rows (see PlaneFinder), or in
-  /// space. Throws std::invalid_argument where a row is none for this component.
-  void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane,
-               std::span<const ConstraintRow* const> rows = {});
+  /// In `plane`, which must suit the world's present state (see PlaneFinder), or in space.
+  void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane);
 
   /// Where its one span, if any, stands in the world by now.
   void renumber(const Component& component) {
@@ -74,8 +43,6 @@ class System : public Motion {
   std::size_t first_link(std::size_t connector) const;
   /// The tension (N) of a link, as of the last acceleration().
   double tension(std::size_t link) const { return links_.tension(link); }
-  /// The multiplier (N per unit of the gradient) of a row, as of then.
-  double multiplier(std::size_t row) const { return rows_[row].multiplier; }
 
   void load(const World& world, double time, double* q, double* rate) override;
   void store(World& world, const double* q, const double* rate) override;
@@ -148,20 +115,6 @@ class System : public Motion {
     std::size_t a = 0, b = 0;         // ends_
     std::size_t row = 0, column = 0;  // of the dense system
   };
-  struct RowTerm {                              // a particle of a row
-    std::size_t point = 0;                      // of points_
-    std::size_t before = kNone, after = kNone;  // links
-    std::size_t end = kNone;                    // of ends_, where it is held
-    double inverse_mass = 0;                    // 1/kg
-    Vec3 gradient = Vec3::Zero();               // at the present stage
-  };
-  struct Bordered {
-    const ConstraintRow* row = nullptr;
-    std::size_t first_term = 0;
-    // At the present stage:
-    ConstraintRow::Value value;
-    double right = 0, multiplier = 0;
-  };
   struct Rotary {
     Vec3 momentum = Vec3::Zero();  // kg m^2/s
     Mat3 inertia = Mat3::Zero();   // kg m^2
@@ -180,22 +133,10 @@ class System : public Motion {
   void read_holds(double time);
   void add_ends(const double* q);
   void add_couplings();
-  void solve_tensions();
   void move_bodies(const double* q, double* out);
   void respond(const double* q, double* out);
   void clear_ends(double* array) const;
   double count_cycles() const;
-
-  // Rows.
-  void place_rows(std::span<const ConstraintRow* const> rows);
-  RowTerm term_of(const ConstraintRow::Particle& particle) const;
-  void evaluate_rows(double time);
-  void lead_rows();
-  template <typename Visit>
-  void each_entry(const double* q, const Bordered& bordered, Visit visit) const;
-  void solve_with_rows(const double* q);
-  double mobility(std::size_t a, std::size_t b) const;
-  void push_rows(const double* q, double* out) const;
 
   // The state.
   void place(double time, const double* q, const double* rate);
@@ -205,7 +146,7 @@ class System : public Motion {
   void float_to(double time);
   void unit(double* q, double* rate) const;
   double measure_gaps(double time, const double* q, const double* rate);
-  void spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off, double* array);
+  void spread(const double* q, Vec3 Point::*gap, double* array);
   bool close(double time, double* q, double* rate);
   Rotary rotary(double time) const;
   void restore_momentum(double time, double* q, double* rate);
@@ -252,15 +193,6 @@ class System : public Motion {
   bool loops_ = false;       // some span closes one
   std::vector<Point> gaps_;  // per span, where it closes a loop
   Array still_;              // workspace of spread()
-  std::vector<Bordered> rows_;
-  std::vector<RowTerm> terms_;  // row by row
-  // Workspaces of solve_with_rows() and evaluate_rows().
-  std::vector<double> row_responses_;
-  Eigen::MatrixXd row_gains_;
-  Eigen::VectorXd row_rights_;
-  LeastSquares row_solver_;
-  std::vector<Point> row_points_;
-  std::vector<Vec3> row_gradients_;
   // Workspaces of add_couplings().
   Array response_;
   Eigen::MatrixXd dense_, gain_, system_;
