@@ -174,12 +174,11 @@ class Mechanism {
   /// place(), and measures the rows; everything below speaks of the instant of the last update.
   void update(double time, double* state);
 
-  /// Per row: direction from a to b (zero where they coincide), how far it is too long (m), the
-  /// rate of that (m/s), and the part of its second derivative that velocities alone make (m/s^2).
+  /// Per row: direction from a to b (zero where they coincide), how far it is too long (m), and the
+  /// rate of that (m/s).
   const std::vector<Vec3>& direction() const { return direction_; }
   const std::vector<double>& violation() const { return violation_; }
   const std::vector<double>& rate() const { return rate_; }
-  const std::vector<double>& velocity_term() const { return velocity_term_; }
   /// Per point, m/s^2: its acceleration without tensions, or that with which it is held.
   const std::vector<Vec3>& point_acceleration() const { return point_acceleration_; }
 

@@ -59,6 +59,8 @@ struct StepConstants {
   /// their full length between what holds them.
   int most_steps = 3000;
   double brief = 1e-7;  // s
+  /// No motion needs shorter steps than that.
+  double shortest = 1e-12;  // s
   /// The longest step; with a driven end, whose motion between two stages no estimate sees, the
   /// other: a frame at 30 a second.
   double longest = 0.25, longest_driven = 1.0 / 30;  // s

@@ -56,7 +56,6 @@ class Direct : public Method {
           (has_hinges(world) && !has_strings(world) && !has_spans(world))) {
         return advance_joined(world, until);
       }
-      if (has_materials(world)) return advance_materials(world, until);
       if (has_strings(world)) return advance_contacts(world, until);
       if (has_spans(world)) return advance_spans(world, until);
     }
@@ -121,12 +120,31 @@ class Direct : public Method {
       built_ = true;
       topology_ = world.topology;
       parts_.rebuild(world);
+      rebuild_materials(world);
       noted_.clear();
     }
     if (!same(world)) parts_.load(world);
   }
 
+  /// Nothing couples connectors that stretch, bend or meet the air with the rest.
+  void rebuild_materials(const World& world) {
+    std::size_t count = 0;
+    for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+      if (world.connectors[c].sections.empty()) continue;
+      if (count == elastic_.size()) {
+        elastic_.push_back(std::make_unique<direct::Elastic>(options_));
+      }
+      elastic_[count++]->rebuild(world, c);
+    }
+    elastic_.resize(count);
+  }
+
+  void advance_materials(World& world, double until) {
+    for (const auto& part : elastic_) part->advance(world, until, counters_);
+  }
+
   void advance_all_parts(World& world, double until) {
+    advance_materials(world, until);
     for (std::size_t part = 0; part < parts_.all().size(); ++part) {
       advance_part(world, part, until);
     }
@@ -179,19 +197,6 @@ class Direct : public Method {
     count_on(*contacts_, [&] { contacts_->advance(world, until); });
   }
 
-  void advance_materials(World& world, double until) {
-    if (!elastic_) {
-      elastic_ = std::make_unique<direct::Elastic>(
-          options_, [options = options_] { return std::make_unique<Direct>(options); });
-    }
-    if (!built_ || topology_ != world.topology) {
-      built_ = true;
-      topology_ = world.topology;
-      elastic_->prepare(world);
-    }
-    count_on(*elastic_, [&] { elastic_->advance(world, until); });
-  }
-
   void advance_joined(World& world, double until) {
     if (!joined_) joined_ = std::make_unique<direct::Joined>(options_);
     built_ = true;
@@ -228,6 +233,11 @@ class Direct : public Method {
       built_ = true;
       topology_ = world.topology;
       spans_->prepare(world);
+      rebuild_materials(world);
+    }
+    if (!elastic_.empty()) {
+      advance_materials(world, until);
+      counting_ = nullptr;
     }
     count_on(*spans_, [&] { spans_->advance(world, until, events_); });
     refuse_led_away(world);
@@ -307,9 +317,9 @@ class Direct : public Method {
   bool allows_implicit_step_ = false;
   bool left_behind_ = false;  // parts of the world, by advance_near()
   direct::FollowedParts parts_{options_};
-  std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
+  std::vector<std::unique_ptr<direct::Elastic>> elastic_;  // of each connector with a material
+  std::unique_ptr<direct::Spans> spans_;                   // where the world has massless ones
   std::unique_ptr<direct::Contacts> contacts_;  // where something touches, or strings are
-  std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
   std::unique_ptr<direct::Implicit> implicit_;  // where features of these stand together
   std::unique_ptr<direct::Joined> joined_;      // where connectors are joined, and at hinges
   const void* counting_ = nullptr;              // of these, the one that was at work last

@@ -1,50 +1,45 @@
-// Worlds with connectors that stretch, bend or meet the air: the scheme of each part.
+// A connector that stretches, bends or meets the air, between ends whose motion is known.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <vector>
 
-#include "sim/methods/direct/integrator.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/schemes/radau_step.h"
-#include "sim/run/method.h"
 
 namespace taut::direct {
 
-/// Follows each such connector by RadauStep, for nothing couples it with the rest of the world, and
-/// the rest as if they were not there. Steps follow from the tolerance by the step's own estimate.
-class Elastic {
+/// Follows one connector by RadauStep: nothing couples it with the rest of its world.
+class Elastic : public Stepping {
  public:
-  /// `make` makes what follows the rest.
-  Elastic(const StepOptions& options, std::function<std::unique_ptr<Method>()> make);
+  explicit Elastic(const StepOptions& options) : options_(options), controller_(options) {}
+  Elastic(const Elastic&) = delete;
 
-  /// Call when the world's topology is new. Throws Diverged where such a connector holds a free
-  /// body, or where there is contact.
-  void prepare(const World& world);
-  void advance(World& world, double until);
-  Counters counters() const;
+  /// Call first, and whenever the world's topology is new.
+  void rebuild(const World& world, std::size_t connector);
+  /// From the world's time and the connector's state there to its state at `until`. Throws
+  /// Diverged.
+  void advance(World& world, double until, Counters& counters);
+
+  double first_step() const override;
+  double longest_step(double time) override;
+  double order() const override;
+  bool lands(double left, double wish) const override;
+  Attempt attempt(double time, double h, double until) override;
+  void accept(double time) override;
+  [[noreturn]] void give_up(double time) override;
 
  private:
-  struct Part {
-    std::size_t connector = 0;        // of the world
-    std::vector<std::size_t> bodies;  // driven, of the world
-    World world;
-    RadauStep step;
-    bool known = false;  // the steps' state is that of `world`
-    double h = 0;        // s, of the next step; zero: not known
-  };
-  void follow(Part& part, double until);
-  double first_step(const Part& part) const;
-  double allowed(const Part& part, double h) const;
-  double left_open(const Part& part, double h) const;
-  [[noreturn]] void give_up(Part& part) const;
+  double allowed(double h) const;
+  double left_open(double h) const;
 
   StepOptions options_;
-  std::unique_ptr<Method> rest_method_;
-  World rest_;
-  std::vector<std::size_t> rest_connectors_;
-  std::vector<std::unique_ptr<Part>> parts_;
-  Counters counters_;
+  Controller controller_;
+  std::size_t connector_ = 0;        // of the world
+  std::vector<std::size_t> bodies_;  // driven, of the world
+  World own_;                        // the connector with these bodies
+  RadauStep step_;
+  bool known_ = false;  // the state of the steps is that of own_
+  Counters* counters_ = nullptr;
 };
 
 }  // namespace taut::direct

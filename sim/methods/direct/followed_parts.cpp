@@ -1,6 +1,7 @@
 #include "sim/methods/direct/followed_parts.h"
 
 #include <algorithm>
+#include <ranges>
 #include <stdexcept>
 
 #include "sim/topology/room.h"
@@ -50,14 +51,17 @@ World alone(const World& world, const SpanRange& span) {
 }  // namespace
 
 void FollowedParts::rebuild(const World& world) {
-  const std::span<const Component> parts = division_.divide(world);
+  const auto is_rigid = [&](const Component& part) {
+    return part.spans.empty() || world.connectors[part.spans[0].connector].sections.empty();
+  };
+  auto parts = division_.divide(world) | std::views::filter(is_rigid);
   links_before_.swap(links_);
   links_.clear();
   for (const Component& part : parts) links_.push_back(links_of(part));
-  if (integrators_.size() < parts.size()) make_room(world, parts.size());
+  if (integrators_.size() < links_.size()) make_room(world, links_.size());
   if (!changes_) align();
-  followed_ = parts.size();
-  for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->follow(parts[k]);
+  followed_ = 0;
+  for (const Component& part : parts) integrators_[followed_++]->follow(part);
   known_ = false;
 }
 

@@ -19,7 +19,8 @@ class FollowedParts {
  public:
   explicit FollowedParts(const StepOptions& options) : options_(options) {}
 
-  /// Divides the world anew; loads nothing.
+  /// Divides the world anew; loads nothing. Connectors that stretch, bend or meet the air are left
+  /// to others.
   void rebuild(const World& world);
   /// Loads all of them.
   void load(World& world);

@@ -67,6 +67,7 @@ std::optional<LedAway> led_away(const World& world) {
   constexpr double kRounding = 1e-6;  // of the connector's length
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
+    if (!connector.sections.empty()) continue;
     const bool may_be_slack = connector.model == ConnectorModel::span;
     const Hold* before = nullptr;
     for (const Hold& hold : connector.holds) {

@@ -10,7 +10,7 @@ namespace taut::direct {
 
 /// The link, or massless span, between two places that are held, as is known beforehand, which the
 /// world's state stretches or, a link, compresses: says so. Empty where there is none. No part has
-/// such a link.
+/// such a link. Connectors that stretch, bend or meet the air are left out.
 struct LedAway {
   std::size_t connector = 0, link = 0;
   std::string what;

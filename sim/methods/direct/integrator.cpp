@@ -80,8 +80,7 @@ void Integrator::begin() {
   fresh_ = false;
   scheme_ = dop853;
   step_ = 0;
-  watched_ = time_;
-  short_ = 0;
+  watch_.start(time_);
   last_turn_ = Dop853Step::kStable;
   rests_.fill({0, kConstants.shortest_rest});
 }
@@ -123,8 +122,7 @@ double Integrator::stable_step(Scheme scheme) const {
 double Integrator::asked_error() const {
   const double length = system_.length();
   if (!(length > 0)) return options_.tolerance;  // a body alone
-  if (options_.step > 0) return kConstants.coarsest * length;
-  return std::min(options_.tolerance, kConstants.largest * length);
+  return std::min(options_.asked(length), kConstants.largest * length);
 }
 
 /// The error (m) that a step of h of the scheme may make.
@@ -307,17 +305,8 @@ bool Integrator::accept(Scheme scheme, double time, Counters& counters) {
   last_ = {scheme, limit_, time_ - before_, waves_};
   counters.steps += 1;
   taken_[scheme] += 1;
-  watch_steps();
+  if (!watch_.count(time_)) throw StepTooSmall{time_};
   return true;
-}
-
-/// Ends a run whose steps get nowhere.
-void Integrator::watch_steps() {
-  if (time_ - watched_ > kConstants.brief) {
-    watched_ = time_;
-    short_ = 0;
-  }
-  if (++short_ > kConstants.most_steps) throw StepTooSmall{time_};
 }
 
 /// A hold has left the plane: goes on from where the last step ended, in another plane (a chain
@@ -503,7 +492,7 @@ void Integrator::advance_by_step(World& world, double until, Counters& counters)
       scheme_ = h > stable_step(dop853) ? rosenbrock : dop853;
       const double error = attempt(scheme_, h, counters).all;
       if (leave_plane(world)) continue;
-      short_ = 0;
+      watch_.start(time_);
       if (error <= coarsest && accept(scheme_, end, counters)) continue;
       counters.rejected += 1;
       counters.handed_over += 1;

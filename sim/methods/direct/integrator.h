@@ -1,4 +1,5 @@
-// Step control: which scheme takes a step, how far it goes, and what becomes of one that fails.
+// Rigid links by three schemes: which one takes a step, how far it goes, and what becomes of one
+// that fails.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <optional>
 
 #include "sim/methods/direct/constants.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/schemes/adams.h"
 #include "sim/methods/direct/schemes/arena.h"
 #include "sim/methods/direct/schemes/dop853.h"
@@ -16,13 +18,6 @@
 #include "sim/topology/components.h"
 
 namespace taut::direct {
-
-/// The user's wish: an error, or a step.
-struct StepOptions {
-  double tolerance = 1e-4;  // m
-  double step = 0;          // s; zero: steps follow from the tolerance
-  double finer = 1;         // the factor by which steps are shorter, for estimates of the error
-};
 
 /// Follows one component of a world through time.
 ///
@@ -88,7 +83,6 @@ class Integrator {
   void advance_by_tolerance(World& world, double until, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
   bool is_before(double until);
-  void watch_steps();
   double first_step() const;
   bool is_lost(Scheme scheme, double h) const;
   void refresh(Counters& counters);
@@ -134,9 +128,8 @@ class Integrator {
   Scheme scheme_ = dop853;          // for the next step
   double step_ = 0;                 // s, what its error allows; zero: not known yet
   double longest_ = 0;              // s, what driven ends allow
-  double watched_ = 0;              // s, from which on steps are counted
-  int short_ = 0;                   // how many there were since
-  double last_turn_ = 0;            // rad, of the highest waves in DOP853's last step
+  StallWatch watch_;
+  double last_turn_ = 0;  // rad, of the highest waves in DOP853's last step
   std::array<Rest, kSchemes> rests_;
   std::array<bool, kSchemes> tries_{};
   std::array<std::uint64_t, kSchemes> taken_{};  // steps

@@ -8,15 +8,12 @@
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/schemes/dop853.h"
 #include "sim/methods/direct/system/motion.h"
-#include "sim/motion/stop.h"
 #include "sim/topology/span.h"
 
 namespace taut::direct {
 namespace {
 
-constexpr double kFirst = 0.1;        // of the shortest link's swing: the first step
-constexpr double kLeastStep = 1e-12;  // s
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kFirst = 0.1;  // of the shortest link's swing: the first step
 
 Eigen::Map<const Vec3> part(const std::vector<double>& state, std::size_t at) {
   return Eigen::Map<const Vec3>(&state[at]);
@@ -125,7 +122,17 @@ double Joined::wave_frequency() {
   return std::hypot(std::sqrt(most), material_waves_);
 }
 
-double Joined::longest_step(double waves) const {
+double Joined::first_step() const {
+  return kFirst * std::sqrt(shortest_ / std::max(world_->gravity.norm(), 1.0));
+}
+
+double Joined::order() const {
+  return Dop853Step::kErrorOrder;
+}
+
+double Joined::longest_step(double time) {
+  find_slope(time, state_, slope_[0]);
+  const double waves = wave_frequency();
   const double longest = driven_ ? kConstants.longest_driven : kConstants.longest;
   return std::min(longest, Dop853Step::kStable / std::max(waves, Dop853Step::kStable / longest)) /
          options_.finer;
@@ -133,10 +140,10 @@ double Joined::longest_step(double waves) const {
 
 /// The error (m) that a step of h may make: as any step of this method (Integrator).
 double Joined::allowed_error(double h) const {
-  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
   const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
   const double rough = kConstants.turn * shortest_ / kConstants.share;
-  return share * std::min(tolerance, rough) / std::pow(options_.finer, Dop853Step::kErrorOrder) +
+  return share * std::min(options_.asked(length_), rough) /
+             std::pow(options_.finer, Dop853Step::kErrorOrder) +
          kConstants.roundings * std::numeric_limits<double>::epsilon() * length_;
 }
 
@@ -164,7 +171,7 @@ double Joined::size(const State& error) const {
 }
 
 /// A step from state_, whose slope is the first, to next_; the estimate of its error (m).
-double Joined::attempt(double time, double h) {
+double Joined::try_step(double time, double h) {
   for (int s = 1; s < kStages; ++s) {
     const auto stage = static_cast<std::size_t>(s);
     next_ = state_;
@@ -209,18 +216,19 @@ bool Joined::lands(double left, double wish) const {
 void Joined::prepare_states_within() {
   if (within_known_) return;
   within_known_ = true;
-  const double h = time_ - before_time_;
-  find_slope(time_, state_, slope_[kStages]);
+  const double from = controller_.before(), to = controller_.time(), h = to - from;
+  find_slope(to, state_, slope_[kStages]);
   for (std::size_t s = kStages + 1; s < kAllStages; ++s) {
     next_ = before_;
     add_up(kDop853.stage[s], static_cast<int>(s), h, slope_, next_);
-    find_slope(before_time_ + kDop853.node[s] * h, next_, slope_[s]);
+    find_slope(from + kDop853.node[s] * h, next_, slope_[s]);
   }
 }
 
 /// Hairer's interpolation, of order 7 (see dop853_table.h).
 void Joined::find_state_within(double time, State& state) {
-  const double h = time_ - before_time_, s = (time - before_time_) / h, left = 1 - s;
+  const double from = controller_.before(), h = controller_.time() - from;
+  const double s = (time - from) / h, left = 1 - s;
   Dop853::Row weights{};
   for (std::size_t k = 0; k < kAllStages; ++k) {
     const auto& rows = kDop853.between;
@@ -238,15 +246,18 @@ void Joined::find_state_within(double time, State& state) {
 void Joined::advance(World& world, double until) {
   const bool fresh = !built_ || topology_ != world.topology;
   if (fresh) rebuild(world);
+  world_ = &world;
   mechanism_.load(world, loaded_);
   if (fresh || loaded_ != shown_) {
     state_ = loaded_;
-    time_ = world.time;
-    if (!project(time_, state_)) give_up(world, time_);
-    if (friction_.any()) friction_.decide(mechanism_, system_, time_, state_);
+    controller_.start(world.time);
+    if (!project(world.time, state_)) give_up(world.time);
+    if (friction_.any()) friction_.decide(mechanism_, system_, world.time, state_);
   }
-  follow(world, until);
-  if (time_ == until) {
+  if (mechanism_.has_winches()) find_material_waves();
+  to_change_ = distance_to_change(controller_.time(), state_);
+  controller_.follow(*this, until, counters_);
+  if (controller_.time() == until) {
     mechanism_.store(state_, until, world);
     mechanism_.load(world, state_);
     shown_ = state_;
@@ -254,89 +265,51 @@ void Joined::advance(World& world, double until) {
   }
   prepare_states_within();
   find_state_within(until, next_);
-  if (!project(until, next_)) give_up(world, until);
+  if (!project(until, next_)) give_up(until);
   mechanism_.store(next_, until, world);
   mechanism_.load(world, shown_);
 }
 
-/// Steps to `until`, or beyond it where that is cheaper.
-void Joined::follow(const World& world, double until) {
-  if (mechanism_.has_winches()) find_material_waves();
-  brief_ = time_;
-  short_ = 0;
-  const double first = kFirst * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
-  const bool fixed = options_.step > 0;
-  if (step_ == 0) step_ = fixed ? options_.step : first;
-  double from_change = distance_to_change(time_, state_);
-  while (time_ < until) {
-    find_slope(time_, state_, slope_[0]);
-    const double stable = longest_step(wave_frequency());
-    double change = kNever;  // s, from here to where rope begins to slide, or stops
-    for (bool taken = false; !taken;) {
-      check_stop();
-      const double wish = std::min(step_, stable);
-      const double left = until - time_;
-      const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
-      const double h = std::min(change, lands(left, wish) ? left / count : wish);
-      const double error = attempt(time_, h), limit = allowed_error(h);
-      const auto run_through =
-          error <= limit ? mechanism_.run_through(time_ + h, next_.data()) : std::nullopt;
-      if (run_through && h < kConstants.brief && time_ + h <= until) {
-        throw Diverged("direct", time_, counters_.steps, world.connectors[*run_through].name, 0,
-                       kRunThrough);
-      }
-      taken = error <= limit && !run_through && project(time_ + h, next_);
-      const double ratio = kConstants.safety * std::pow(limit / error, 1 / Dop853Step::kErrorOrder);
-      ++counters_.steps;
-      const double off = taken ? distance_to_change(time_ + h, next_) : kNever;
-      if (off < -PulleyFriction::kNear && h > kLeastStep) {
-        taken = false;
-        change = h * PulleyFriction::share(from_change, off);
-        ++counters_.rejected;
-        continue;
-      }
-      if (taken) {
-        std::swap(before_, state_);
-        std::swap(state_, next_);
-        before_time_ = time_;
-        within_known_ = false;
-        time_ = h == left ? until : time_ + h;
-        from_change = off;
-        if (off <= PulleyFriction::kNear) {
-          friction_.decide(mechanism_, system_, time_, state_);
-          from_change = distance_to_change(time_, state_);
-        }
-        mechanism_.follow(time_, state_);
-        if (time_ - brief_ > kConstants.brief) {
-          brief_ = time_;
-          short_ = 0;
-        }
-        if (++short_ > kConstants.most_steps && !(fixed && h == options_.step))
-          give_up(world, time_);
-        // A step that was cut to end at `until` says nothing against the longer one.
-        const double next = h * std::min(ratio, kConstants.most_change);
-        if (fixed) {  // one that was refused is done in shorter ones
-          step_ = std::min(options_.step, std::max(step_, next));
-        } else if (ratio < 1 || next > step_) {
-          step_ = next;
-        }
-      } else {
-        ++counters_.rejected;
-        step_ = h * (error <= limit || !(ratio > 0) ? 0.25 : std::clamp(ratio, 0.1, 0.9));
-        if (step_ < kLeastStep) give_up(world, time_);
-      }
+Attempt Joined::attempt(double time, double h, double until) {
+  Attempt made{true, try_step(time, h), allowed_error(h)};
+  if (!(made.error <= made.limit)) return made;
+  if (const auto connector = mechanism_.run_through(time + h, next_.data())) {
+    if (h < kConstants.brief && time + h <= until) {
+      throw Diverged("direct", time, counters_.steps, world_->connectors[*connector].name, 0,
+                     kRunThrough);
     }
+    made.solved = false;
+    return made;
   }
+  made.solved = project(time + h, next_);
+  if (!made.solved) return made;
+  next_to_change_ = distance_to_change(time + h, next_);
+  if (next_to_change_ < -PulleyFriction::kNear && h > kConstants.shortest) {
+    made.event = h * PulleyFriction::share(to_change_, next_to_change_);
+  }
+  return made;
 }
 
-void Joined::give_up(const World& world, double time) const {
+void Joined::accept(double time) {
+  std::swap(before_, state_);
+  std::swap(state_, next_);
+  within_known_ = false;
+  to_change_ = next_to_change_;
+  if (to_change_ <= PulleyFriction::kNear) {
+    friction_.decide(mechanism_, system_, time, state_);
+    to_change_ = distance_to_change(time, state_);
+  }
+  mechanism_.follow(time, state_);
+}
+
+void Joined::give_up(double time) {
   const auto& stretches = mechanism_.material().stretches();
   if (const auto* pressed = material::pressed_together(stretches, state_.data())) {
-    throw Diverged("direct", time, counters_.steps, world.connectors[pressed->connector].name,
+    throw Diverged("direct", time, counters_.steps, world_->connectors[pressed->connector].name,
                    pressed->link, material::kPressedTogether);
   }
   throw Diverged(
-      "direct", time, counters_.steps, world.connectors.front().name, 0,
+      "direct", time, counters_.steps, world_->connectors.front().name, 0,
       std::string("no step is small enough for the tolerance: ") +
           (mechanism_.has_winches() ? "a winch may take in what then whirls too fast, or " : "") +
           "the links may be at their full length between what holds them");

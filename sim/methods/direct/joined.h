@@ -9,7 +9,7 @@
 #include "sim/links/projection.h"
 #include "sim/links/pulley_friction.h"
 #include "sim/links/tension.h"
-#include "sim/methods/direct/integrator.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/schemes/dop853.h"
 #include "sim/run/method.h"
 
@@ -19,9 +19,10 @@ namespace taut::direct {
 /// links at once (JoinedTension), with projection onto the links after each step. Explicit: steps
 /// are never longer than what the waves under the tensions, and of what stretches and bends, allow.
 /// They may go beyond the time that is asked for, whose state is interpolated then.
-class Joined {
+class Joined : public Stepping {
  public:
-  explicit Joined(const StepOptions& options) : options_(options) {}
+  explicit Joined(const StepOptions& options) : options_(options), controller_(options) {}
+  Joined(const Joined&) = delete;
 
   /// Whether the waves of materials are so fast that implicit steps cost less: explicit ones, a
   /// tenth as dear, have to follow each wave, and most motions need a thousand of them a second.
@@ -30,27 +31,33 @@ class Joined {
   void advance(World& world, double until);
   const Counters& counters() const { return counters_; }
 
+  double first_step() const override;
+  double longest_step(double time) override;
+  double order() const override;
+  bool lands(double left, double wish) const override;
+  Attempt attempt(double time, double h, double until) override;
+  void accept(double time) override;
+  [[noreturn]] void give_up(double time) override;
+
  private:
   using State = std::vector<double>;
 
   void rebuild(const World& world);
-  void follow(const World& world, double until);
   void find_slope(double time, const State& state, State& slope);
   void find_material_waves();
   double wave_frequency();
-  double longest_step(double waves) const;
   double allowed_error(double h) const;
-  double attempt(double time, double h);
+  double try_step(double time, double h);
   double size(const State& error) const;
   bool project(double time, State& state);
-  bool lands(double left, double wish) const;
   void prepare_states_within();
   void find_state_within(double time, State& state);
   double distance_to_change(double time, State& state);
-  [[noreturn]] void give_up(const World& world, double time) const;
 
   StepOptions options_;
+  Controller controller_;
   Counters counters_;
+  const World* world_ = nullptr;  // in advance()
   bool built_ = false;
   std::uint64_t topology_ = 0;
   Mechanism mechanism_;
@@ -58,17 +65,15 @@ class Joined {
   Projection projection_;
   PulleyFriction friction_;
   std::vector<double> easy_;  // 1/kg, of each point, those of bodies included
-  State state_, before_, shown_, loaded_, next_, scratch_, error_, right_, tension_;
+  State state_, before_;      // where the last step ended, and began
+  State shown_, loaded_, next_, scratch_, error_, right_, tension_;
   std::array<State, kAllStages> slope_;  // of the stages
-  double time_ = 0, before_time_ = 0;    // s, of state_ and of before_, where its step began
   bool within_known_ = false;            // states within that step
   double length_ = 0, shortest_ = 0;     // m: the scale of the world, and its shortest link
   double material_waves_ = 0;            // rad/s
   double carried_ = 0;                   // particles that nothing prescribes
   bool driven_ = false;
-  double step_ = 0;   // s, what the error allows; zero: not known yet
-  double brief_ = 0;  // s, from which on steps are counted
-  int short_ = 0;     // how many there were since
+  double to_change_ = kNever, next_to_change_ = kNever;  // see PulleyFriction, of state_ and next_
 };
 
 }  // namespace taut::direct

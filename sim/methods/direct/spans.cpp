@@ -72,7 +72,9 @@ void Spans::prepare(const World& world) {
   point_masses_.clear();
   copied_.clear();
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    if (world.connectors[c].model == ConnectorModel::links) copied_.push_back(c);
+    const Connector& connector = world.connectors[c];
+    if (connector.model == ConnectorModel::links && connector.sections.empty())
+      copied_.push_back(c);
   }
   for (std::size_t s = 0; s < spans_.size(); ++s) {
     const Span& span = spans_[s];

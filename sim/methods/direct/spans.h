@@ -19,6 +19,7 @@ namespace taut::direct {
 void lay_span(HangingChain& hanging, Connector& connector, const Span& span, const Vec3& gravity);
 
 /// Follows a world some of whose connectors are massless spans, by a method that follows links.
+/// Connectors that stretch, bend or meet the air are left to others.
 /// The method sees a world of its own, in which a taut span is a link without mass between its two
 /// ends and a slack one is absent; a point mass at an end is a body that nothing turns. Changes are
 /// found between two checks and located in time: a slack span whose ends part beyond its length
