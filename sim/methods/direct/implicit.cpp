@@ -14,10 +14,9 @@ namespace {
 
 using PlaceAt = Eigen::Map<const Vec3>;
 
-constexpr double kShortestImplicitStep = 1e-12;  // s
-constexpr double kShortestJam = 1e-6;            // s
-constexpr double kLeastFriction = 0.2;           // of all of it, with which a jam is tried
-constexpr double kFades = 8;  // steps so many times as long say that no jam is left
+constexpr double kShortestJam = 1e-6;   // s
+constexpr double kLeastFriction = 0.2;  // of all of it, with which a jam is tried
+constexpr double kFades = 8;            // steps so many times as long say that no jam is left
 constexpr double kOrderOfHalves = 2;
 /// A step of h seconds may err by kErrorRate h tolerances, within these bounds: errors of short
 /// steps come from waves and changes, and die away.
@@ -30,12 +29,6 @@ constexpr double kChangeShare = 0.1;
 /// The power of StepOptions::finer by which the error of a step falls, so that the error of the
 /// whole falls enough to tell it by the difference.
 constexpr double kFinerPower = 5;
-
-/// s, to the next multiple of a step: so fixed steps end at the same times whatever is asked for.
-double to_multiple(double step, double time) {
-  constexpr double kSliver = 1e-6;
-  return (std::floor(time / step + kSliver) + 1) * step - time;
-}
 
 }  // namespace
 
@@ -62,10 +55,9 @@ void Implicit::rebuild(const World& world) {
 /// The error (m) that the halves of a step of h may make. Extrapolation leaves of it a part that
 /// falls by the power 3/2 of the whole, in units of the length.
 double Implicit::allowed_error(double h) const {
-  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
   const double share = std::clamp(kErrorRate * options_.finer * h, kLeastShare, kMostShare);
   const double rough = kConstants.turn * shortest_ / kConstants.share;
-  const double most = std::min(tolerance, rough);
+  const double most = std::min(options_.asked(length_), rough);
   const double gain = std::max(1.0, std::cbrt(length_ / most));
   return share * gain * most / std::pow(options_.finer, kFinerPower) +
          kConstants.roundings * 2.2e-16 * length_;
@@ -73,8 +65,7 @@ double Implicit::allowed_error(double h) const {
 
 /// The error (m) that a step may make in which contacts or strings change: once, however short.
 double Implicit::allowed_change() const {
-  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
-  return kChangeShare * tolerance / std::pow(options_.finer, kFinerPower) +
+  return kChangeShare * options_.asked(length_) / std::pow(options_.finer, kFinerPower) +
          kConstants.roundings * 2.2e-16 * length_;
 }
 
@@ -120,6 +111,7 @@ void Implicit::advance(World& world, double until) {
 }
 
 void Implicit::advance_strings(World& world, double until) {
+  world_ = &world;
   const bool fresh = !built_ || topology_ != world.topology;
   if (fresh) rebuild(world);
   if (!fresh) {
@@ -127,10 +119,12 @@ void Implicit::advance_strings(World& world, double until) {
     mechanism.load(world, loaded_);
   }
   if (fresh || loaded_ != shown_) {
-    if (!step_.load(world, now_, touching_)) give_up(world);
+    if (!step_.load(world, now_, touching_)) give_up(world.time);
     from_ = now_;
+    controller_.start(now_.time);
   }
-  follow(world, until);
+  jam_ = std::max(jam_, kShortestJam);
+  controller_.follow(*this, until, counters_);
   step_.store(at(until), world);
   step_.mechanism().load(world, shown_);
 }
@@ -138,7 +132,7 @@ void Implicit::advance_strings(World& world, double until) {
 /// The state at a time (s) within the last step. Where no step leads there, as far as they do.
 const StepState& Implicit::at(double time) {
   if (now_.time == time) return now_;
-  if (now_.time - time < kShortestImplicitStep) {
+  if (now_.time - time < kConstants.shortest) {
     within_ = now_;
     within_.time = time;
     return within_;
@@ -148,7 +142,7 @@ const StepState& Implicit::at(double time) {
   while (within_.time < time) {
     check_stop();
     const double left = time - within_.time, h = std::min(left, longest);
-    if (h < kShortestImplicitStep) break;
+    if (h < kConstants.shortest) break;
     if (step_.step(within_, h, touching_, false, end_) == ImplicitStep::Result::failed ||
         !step_.finish(end_, touching_, true)) {
       longest = h / 2;
@@ -161,125 +155,97 @@ const StepState& Implicit::at(double time) {
   return within_;
 }
 
-void Implicit::follow(const World& world, double until) {
-  brief_ = now_.time;
-  short_ = 0;
-  jam_ = std::max(jam_, kShortestJam);
-  const bool fixed = options_.step > 0;
-  if (next_ == 0) {
-    next_ =
-        fixed ? options_.step : 0.1 * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
-  }
-  const double longest = kConstants.longest_driven / options_.finer;
-  double within = longest;  // s, up to what arrives next
-  while (now_.time < until) {
-    check_stop();
+double Implicit::first_step() const {
+  return 0.1 * std::sqrt(shortest_ / std::max(world_->gravity.norm(), 1.0));
+}
+
+double Implicit::longest_step(double) {
+  return kConstants.longest_driven / options_.finer;
+}
+
+bool Implicit::lands(double, double) const {
+  return false;
+}
+
+Attempt Implicit::attempt(double time, double h, double) {
+  if (h < kConstants.shortest) give_up(time);
+  for (;;) {
+    Attempt made = try_step(h);
     counters_.solves = step_.factorisations();
-    const double left = until - now_.time;
-    if (left < kShortestImplicitStep) break;
-    double h = std::min({next_, longest, within});
-    if (fixed) h = std::min(h, to_multiple(options_.step, now_.time));
-    if (h < kShortestImplicitStep) give_up(world);
-    ++counters_.steps;
-    const auto refuse = [&](double shorter) {
-      ++counters_.rejected;
-      next_ = shorter;
-    };
-    const auto refuse_unsolved = [&] {
-      if (h > jam_) return refuse(h / 4);
-      // Shorter steps have no solution either: this one goes with less friction.
-      if (friction_ == 0) give_up(world);
-      friction_ = friction_ > kLeastFriction ? friction_ / 2 : 0;
-      step_.set_friction_share(friction_);
-      refuse(h);
-    };
-    // The two halves.
-    ImplicitStep::Result result = step_.step(now_, h / 2, touching_, true, middle_);
-    double reached = 0;
-    if (result == ImplicitStep::Result::done) {
-      reached = h / 2;
-      if (!step_.finish(middle_, touching_, true)) {
-        result = ImplicitStep::Result::failed;
-      } else {
-        // What arrives there ends a step.
-        if (step_.jumped() && h > 4 * kShortestImplicitStep) {
-          ++counters_.rejected;
-          within = h / 2;
-          continue;
-        }
-        result = step_.step(middle_, h / 2, touching_, true, end_);
-      }
-    }
-    if (result == ImplicitStep::Result::failed) {
-      refuse_unsolved();
-      continue;
-    }
-    if (result == ImplicitStep::Result::arrives) {
-      ++counters_.rejected;
-      within = std::max(reached + step_.arrival(), 0.01 * h);
-      continue;
-    }
-    double error = 0;
-    const std::uint64_t pattern = end_.pattern();
-    if (!fixed) {
-      if (step_.step(now_, h, touching_, false, whole_) == ImplicitStep::Result::failed) {
-        refuse_unsolved();
-        continue;
-      }
-      const bool same = pattern == whole_.pattern() && pattern == middle_.pattern();
-      const double share = same ? std::exp2(kOrderOfHalves) - 1 : 1;
-      const double time = std::min(velocity_time_of(length_), kWaves * h);
-      const double raw = size(end_, whole_, time) / share;
-      error = std::min(raw, step_.distance(end_, whole_, time) / share);
-      const double limit = same ? allowed_error(h) : allowed_change(),
-                   order = same ? kOrderOfHalves + 1 : 2;
-      error = std::max(error, raw * limit / (kConstants.passed_over * options_.tolerance));
-      const double ratio = kConstants.safety * std::pow(limit / std::max(error, 1e-300), 1 / order);
-      if (!(error <= limit)) {
-        refuse(h * std::clamp(ratio, 0.1, 0.9));
-        continue;
-      }
-      const double next = h * std::min(ratio, kConstants.most_change);
-      if (next < h || next > next_) next_ = next;
-      if (same) step_.extrapolate(1 / (std::exp2(kOrderOfHalves) - 1), end_);
-    } else {
-      next_ = std::min(options_.step, 2 * h);
-    }
-    if (!step_.finish(end_, touching_, true)) {
-      refuse_unsolved();
-      continue;
-    }
-    end_.time = now_.time + h;
-    step_.accept();
-    std::swap(from_, now_);
-    std::swap(now_, end_);
-    within = longest;
     // As long as a jam lasts, steps with less friction become longer from one to the next.
-    if (friction_ < 1) {
-      friction_ = 1;
-      step_.set_friction_share(friction_);
-      jam_ *= 2;
-      next_ = std::max(next_, jam_);
-    } else if (h > kFades * jam_) {
-      jam_ = std::max(jam_ / 2, kShortestJam);
-    }
-    step_.mechanism().follow(now_.time, now_.state);
-    if (now_.time - brief_ > kConstants.brief) {
-      brief_ = now_.time;
-      short_ = 0;
-    }
-    if (++short_ > kConstants.most_steps) give_up(world);
+    if (friction_ < 1) made.least = 2 * jam_;
+    if (made.solved || made.event < kNever || h > jam_) return made;
+    // Shorter steps have no solution either: this one goes with less friction.
+    if (friction_ == 0) give_up(time);
+    friction_ = friction_ > kLeastFriction ? friction_ / 2 : 0;
+    step_.set_friction_share(friction_);
+    check_stop();
   }
 }
 
-void Implicit::give_up(const World& world) const {
+/// The two halves, and the whole for what they err by.
+Attempt Implicit::try_step(double h) {
+  Attempt made;
+  const auto arrives = [&](double reached) {
+    made.event = std::max(reached + step_.arrival(), 0.01 * h);
+    return made;
+  };
+  using Result = ImplicitStep::Result;
+  Result result = step_.step(now_, h / 2, touching_, true, middle_);
+  if (result == Result::arrives) return arrives(0);
+  if (result == Result::failed || !step_.finish(middle_, touching_, true)) return made;
+  // What arrives there ends a step.
+  if (step_.jumped() && h > 4 * kConstants.shortest) {
+    made.event = h / 2;
+    return made;
+  }
+  result = step_.step(middle_, h / 2, touching_, true, end_);
+  if (result == Result::arrives) return arrives(h / 2);
+  if (result == Result::failed) return made;
+  made.limit = 1;
+  if (options_.step == 0) {
+    const std::uint64_t pattern = end_.pattern();
+    if (step_.step(now_, h, touching_, false, whole_) == Result::failed) return made;
+    const bool same = pattern == whole_.pattern() && pattern == middle_.pattern();
+    const double share = same ? std::exp2(kOrderOfHalves) - 1 : 1;
+    const double time = std::min(velocity_time_of(length_), kWaves * h);
+    const double raw = size(end_, whole_, time) / share;
+    made.error = std::min(raw, step_.distance(end_, whole_, time) / share);
+    made.limit = same ? allowed_error(h) : allowed_change();
+    order_ = same ? kOrderOfHalves + 1 : 2;
+    made.error =
+        std::max(made.error, raw * made.limit / (kConstants.passed_over * options_.tolerance));
+    made.solved = !(made.error <= made.limit);
+    if (made.solved) return made;
+    if (same) step_.extrapolate(1 / (std::exp2(kOrderOfHalves) - 1), end_);
+  }
+  made.solved = step_.finish(end_, touching_, true);
+  return made;
+}
+
+void Implicit::accept(double time) {
+  end_.time = time;
+  step_.accept();
+  std::swap(from_, now_);
+  std::swap(now_, end_);
+  if (friction_ < 1) {
+    friction_ = 1;
+    step_.set_friction_share(friction_);
+    jam_ *= 2;
+  } else if (time - from_.time > kFades * jam_) {
+    jam_ = std::max(jam_ / 2, kShortestJam);
+  }
+  step_.mechanism().follow(time, now_.state);
+}
+
+void Implicit::give_up(double time) {
   const auto& stretches = step_.mechanism().material().stretches();
-  const std::string name = world.connectors.empty() ? "" : world.connectors.front().name;
+  const std::string name = world_->connectors.empty() ? "" : world_->connectors.front().name;
   if (const auto* pressed = material::pressed_together(stretches, now_.state.data())) {
-    throw Diverged("direct", now_.time, counters_.steps, world.connectors[pressed->connector].name,
+    throw Diverged("direct", time, counters_.steps, world_->connectors[pressed->connector].name,
                    pressed->link, material::kPressedTogether);
   }
-  throw Diverged("direct", now_.time, counters_.steps, name, 0,
+  throw Diverged("direct", time, counters_.steps, name, 0,
                  "no step is small enough for the tolerance: the links may be at their full length "
                  "between what holds them");
 }
