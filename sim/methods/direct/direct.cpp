@@ -38,7 +38,7 @@ const Abilities& abilities_without_implicit_step() {
 
 /// The state that advance() leaves in the world is where the next call goes on; a change of the
 /// world between two calls starts the method afresh.
-class Direct : public Method {
+class Direct : public LinkMethod {
  public:
   explicit Direct(const direct::StepOptions& options) : options_(options) {}
 
@@ -92,6 +92,19 @@ class Direct : public Method {
     }
     left_behind_ = true;
     return true;
+  }
+
+  void find_tensions(World& world, std::size_t first, std::vector<double>& tension) override {
+    prepare(world);
+    tension.assign(world.connectors.size(), 0);
+    for (std::size_t k = 0; k < parts_.all().size(); ++k) {
+      for (const SpanRange& span : parts_.all()[k]->component().spans) {
+        if (span.connector < first) continue;
+        with_part(world, k, [&](Integrator& part) {
+          tension[span.connector] = part.tension(world.time, span.connector, counters_);
+        });
+      }
+    }
   }
 
   /// Tries those schemes alone in each component of which `run` has taken steps since this was

@@ -259,6 +259,18 @@ void Integrator::store(World& world) {
   system_.store(world, q_between_.data(), rate_between_.data());
 }
 
+double Integrator::tension(double time, std::size_t connector, Counters& counters) {
+  if (time == time_) {
+    refresh(counters);
+  } else {
+    system_.acceleration(time, q_between_.data(), rate_between_.data(), acceleration_.data());
+    counters.solves += 1;
+    counters.cycles += system_.cycles();
+    fresh_ = false;
+  }
+  return system_.tension(system_.first_link(connector));
+}
+
 void Integrator::refresh(Counters& counters) {
   if (fresh_) return;
   system_.acceleration(time_, q_.data(), rate_.data(), acceleration_.data());

@@ -46,6 +46,9 @@ class Integrator {
   /// has been placed.
   void store(World& world);
 
+  /// The tension (N) of the connector's first link in the state that store() wrote last, at `time`.
+  double tension(double time, std::size_t connector, Counters& counters);
+
   const Component& component() const { return component_; }
 
   enum Scheme { dop853, adams, rosenbrock, kSchemes };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/topology/components.h"
+
 namespace taut::direct {
 namespace {
 
@@ -104,57 +106,16 @@ void Spans::connect() {
     Connector link =
         straight_connector("span", spans_[tie.span].length, 0, 2, Vec3::Zero(), Vec3::UnitY());
     link.holds = {{0, tie.a, {}}, {1, tie.b, {}}};
+    tie.link = inner_.connectors.size();
     inner_.connectors.push_back(std::move(link));
   }
   place_held(inner_, inner_.time);
   ++inner_.topology;
-  built_ = false;
 }
 
-/// Makes the systems of all components that have taut ties.
-void Spans::build_systems() {
-  built_ = true;
-  systems_.clear();
-  std::vector<std::size_t> tie_of(inner_.connectors.size(), kNone);
-  std::size_t link = copied_.size();
-  for (std::size_t t = 0; t < ties_.size(); ++t) {
-    ties_[t].system = kNone;  // stays so between two prescribed ends
-    if (spans_[ties_[t].span].taut) tie_of[link++] = t;
-  }
-  for (const Component& component : division_.divide(inner_)) {
-    const auto is_tie = [&](const SpanRange& range) { return tie_of[range.connector] != kNone; };
-    if (std::ranges::none_of(component.spans, is_tie)) continue;
-    Tensions& part = systems_.emplace_back();
-    part.system.rebuild(inner_, component, std::nullopt);
-    for (Array* array : {&part.q, &part.rate, &part.acceleration}) {
-      array->resize(part.system.size());
-    }
-    for (const SpanRange& range : component.spans) {
-      if (!is_tie(range)) continue;
-      Tie& tie = ties_[tie_of[range.connector]];
-      tie.system = systems_.size() - 1;
-      tie.link = part.system.first_link(range.connector);
-    }
-  }
-}
-
-/// Solves for the tensions of the inner world's present state.
+/// The tensions of the inner world's present state.
 void Spans::update() {
-  if (!built_) build_systems();
-  for (Tensions& part : systems_) {
-    double *q = part.q.data(), *rate = part.rate.data();
-    part.system.load(inner_, inner_.time, q, rate);
-    part.system.acceleration(inner_.time, q, rate, part.acceleration.data());
-    checks_.solves += 1;
-    checks_.cycles += part.system.cycles();
-  }
-}
-
-Counters Spans::counters() const {
-  Counters sum = links_->counters();
-  sum.solves += checks_.solves;
-  sum.cycles += checks_.cycles;
-  return sum;
+  links_->find_tensions(inner_, copied_.size(), tension_);
 }
 
 void Spans::read(const World& world) {
@@ -217,9 +178,7 @@ void lay_span(HangingChain& hanging, Connector& connector, const Span& span, con
 /// too far apart before may come nearer.
 bool Spans::breaks(const Tie& tie) const {
   const double length = spans_[tie.span].length;
-  if (spans_[tie.span].taut) {
-    return tie.system != kNone && systems_[tie.system].system.tension(tie.link) < 0;
-  }
+  if (spans_[tie.span].taut) return tension_[tie.link] < 0;
   if (is_prescribed(inner_, tie.a) && is_prescribed(inner_, tie.b)) return false;
   const Ends ends = ends_of(inner_, tie.a, tie.b);
   return ends.distance > length * (1 + kTooLong) &&

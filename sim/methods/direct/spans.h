@@ -1,14 +1,11 @@
 // Massless spans by the direct method: free while slack, one rigid link while taut.
 #pragma once
 
-#include <deque>
 #include <limits>
 #include <memory>
 #include <vector>
 
-#include "sim/methods/direct/system/system.h"
 #include "sim/run/method.h"
-#include "sim/topology/components.h"
 #include "sim/topology/span.h"
 #include "sim/world/hanging.h"
 
@@ -17,6 +14,14 @@ namespace taut::direct {
 /// Lays the particles of a massless span between its ends: straight where it is taut, else as they
 /// would hang there.
 void lay_span(HangingChain& hanging, Connector& connector, const Span& span, const Vec3& gravity);
+
+/// A method that follows links, and knows what they pull.
+class LinkMethod : public Method {
+ public:
+  /// The tension (N) of the first link of each connector from `first` on, in the world as advance()
+  /// left it or as something else has changed it since; zero where nothing can move the link.
+  virtual void find_tensions(World& world, std::size_t first, std::vector<double>& tension) = 0;
+};
 
 /// Follows a world some of whose connectors are massless spans, by a method that follows links.
 /// Connectors that stretch, bend or meet the air are left to others.
@@ -29,7 +34,7 @@ void lay_span(HangingChain& hanging, Connector& connector, const Span& span, con
 class Spans {
  public:
   /// `links` follows everything but spans.
-  explicit Spans(std::unique_ptr<Method> links) : links_(std::move(links)) {}
+  explicit Spans(std::unique_ptr<LinkMethod> links) : links_(std::move(links)) {}
 
   /// Call before the first advance() and whenever the topology is new.
   void prepare(const World& world);
@@ -39,27 +44,18 @@ class Spans {
   Method& links() { return *links_; }
   const Method& links() const { return *links_; }
 
-  /// The counters of the links' method, and the systems that checks of tensions solve.
-  Counters counters() const;
+  const Counters& counters() const { return links_->counters(); }
 
  private:
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-
   struct Tie {
     std::size_t span = 0;  // index into spans_
     Attachment a, b;       // in the inner world
     double restitution = 0;
-    double longest = 0;          // m: a slack one goes taut beyond it
-    std::size_t system = kNone;  // index into systems_, while it is taut and something can move
-    std::size_t link = 0;        // of that system
+    double longest = 0;    // m: a slack one goes taut beyond it
+    std::size_t link = 0;  // connector of the inner world, while it is taut
     double thrown_back = -std::numeric_limits<double>::infinity();  // s, when its ends last were
     double watched = thrown_back;  // s, from which on its changes are counted
     int changes = 0;
-  };
-  /// The tensions of one component of the inner world.
-  struct Tensions {
-    System system;
-    Array q, rate, acceleration;
   };
   struct PointMass {
     std::size_t connector = 0, particle = 0;
@@ -69,7 +65,6 @@ class Spans {
   void read(const World& world);
   void write(World& world);
   void connect();
-  void build_systems();
   void update();
   bool breaks(const Tie& tie) const;
   bool breaks();
@@ -77,17 +72,14 @@ class Spans {
   bool rebounds(Tie& tie, std::vector<Event>& events);
   void watch_changes(const World& world, Tie& tie) const;
 
-  std::unique_ptr<Method> links_;
+  std::unique_ptr<LinkMethod> links_;
   World inner_, before_;
   std::vector<Span> spans_;
   std::vector<Tie> ties_;
   std::vector<PointMass> point_masses_;  // bodies of the inner world, behind those of the outer
   std::vector<std::size_t> copied_;      // connectors of the outer world that are links
-  Division division_;
+  std::vector<double> tension_;          // N, of the inner world's connectors
   HangingChain hanging_;
-  std::deque<Tensions> systems_;  // of the components that have ties; they cannot move
-  bool built_ = false;            // for the present ties
-  Counters checks_;
 };
 
 }  // namespace taut::direct

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "sim/methods/direct/spans.h"
+#include "sim/topology/components.h"
 #include "sim/world/held.h"
 
 namespace taut::direct {

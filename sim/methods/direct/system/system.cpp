@@ -445,7 +445,7 @@ void System::load(const World& world, double time, double* q, double* rate) {
 std::size_t System::first_link(std::size_t connector) const {
   const auto found = std::ranges::find_if(
       spans_, [&](const Span& span) { return span.range.connector == connector; });
-  return found->offset;
+  return found->offset + (found->first_body_link != kNone ? 1 : 0);
 }
 
 /// Where what holds an end has it.
