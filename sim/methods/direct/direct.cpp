@@ -121,6 +121,14 @@ class Direct : public LinkMethod {
   }
 
  private:
+  /// Whether the world's topology is new, which is known from then on.
+  bool is_new(const World& world) {
+    const bool fresh = !built_ || topology_ != world.topology;
+    built_ = true;
+    topology_ = world.topology;
+    return fresh;
+  }
+
   /// Makes the integrators go on from the world's state where that is not what they left there.
   void prepare(World& world) {
     if (left_behind_) {
@@ -128,10 +136,8 @@ class Direct : public LinkMethod {
       topology_ = world.topology;
       return parts_.renew(world);
     }
-    if (!built_ || topology_ != world.topology) {
-      if (!built_) noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
-      built_ = true;
-      topology_ = world.topology;
+    if (!built_) noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
+    if (is_new(world)) {
       parts_.rebuild(world);
       rebuild_materials(world);
       noted_.clear();
@@ -202,18 +208,13 @@ class Direct : public LinkMethod {
       contacts_ = std::make_unique<direct::Contacts>(
           options_, [options = options_] { return std::make_unique<Direct>(options); });
     }
-    if (!built_ || topology_ != world.topology) {
-      built_ = true;
-      topology_ = world.topology;
-      contacts_->prepare(world);
-    }
+    if (is_new(world)) contacts_->prepare(world);
     count_on(*contacts_, [&] { contacts_->advance(world, until); });
   }
 
   void advance_joined(World& world, double until) {
     if (!joined_) joined_ = std::make_unique<direct::Joined>(options_);
-    built_ = true;
-    topology_ = world.topology;
+    is_new(world);
     if (allows_implicit_step_ && joined_->is_stiff(world)) {
       is_combined_ = true;
       return advance_implicit(world, until);
@@ -235,16 +236,13 @@ class Direct : public LinkMethod {
 
   void advance_implicit(World& world, double until) {
     if (!implicit_) implicit_ = std::make_unique<direct::Implicit>(options_);
-    built_ = true;
-    topology_ = world.topology;
+    is_new(world);
     count_on(*implicit_, [&] { implicit_->advance(world, until); });
   }
 
   void advance_spans(World& world, double until) {
     if (!spans_) spans_ = std::make_unique<direct::Spans>(std::make_unique<Direct>(options_));
-    if (!built_ || topology_ != world.topology) {
-      built_ = true;
-      topology_ = world.topology;
+    if (is_new(world)) {
       spans_->prepare(world);
       rebuild_materials(world);
     }
