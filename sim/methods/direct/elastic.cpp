@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "sim/material/forces.h"
-#include "sim/methods/direct/constants.h"
-#include "sim/methods/direct/system/motion.h"
+#include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {
 namespace {

@@ -6,7 +6,7 @@
 #include "sim/material/forces.h"
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/constants.h"
-#include "sim/methods/direct/system/motion.h"
+#include "sim/methods/direct/system/system.h"
 #include "sim/motion/stop.h"
 
 namespace taut::direct {

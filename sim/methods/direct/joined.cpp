@@ -6,8 +6,9 @@
 
 #include "sim/material/forces.h"
 #include "sim/measure/measure.h"
+#include "sim/methods/direct/constants.h"
 #include "sim/methods/direct/schemes/dop853.h"
-#include "sim/methods/direct/system/motion.h"
+#include "sim/methods/direct/system/system.h"
 #include "sim/topology/span.h"
 
 namespace taut::direct {

@@ -142,18 +142,18 @@ void AdamsStep::respace(double h) {
 
 /// q goes through the chart, since accelerations remembered from other directions lead off the unit
 /// lengths: the motion's response to that would come back by way of the next ones and grow.
-double AdamsStep::attempt(Motion& motion, double time, const double* q, const double* rate,
+double AdamsStep::attempt(System& system, double time, const double* q, const double* rate,
                           double unimportant) {
   constexpr double kOutside = std::numeric_limits<double>::infinity();
   const std::size_t size = q_.size();
   const double *a = past(0), *b = past(1), *c = past(2), *d = past(3);
   predict(size, h_, rate, a, b, c, d, q_.data(), rate_.data());
-  if (!motion.retract(q, q_.data(), rate_.data())) return kOutside;
-  motion.acceleration(time + h_, q_.data(), rate_.data(), next_.data());
+  if (!system.retract(q, q_.data(), rate_.data())) return kOutside;
+  system.acceleration(time + h_, q_.data(), rate_.data(), next_.data());
   const double squares =
       correct(size, h_, rate, next_.data(), a, b, c, d, rate_.data(), error_.data());
-  const double bound = motion.velocity_time() * motion.displacement_bound(squares);
-  return bound < unimportant ? bound : motion.velocity_time() * motion.displacement(error_.data());
+  const double bound = system.velocity_time() * system.displacement_bound(squares);
+  return bound < unimportant ? bound : system.velocity_time() * system.displacement(error_.data());
 }
 
 }  // namespace taut::direct

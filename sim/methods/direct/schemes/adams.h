@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "sim/methods/direct/schemes/arena.h"
-#include "sim/methods/direct/system/motion.h"
+#include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {
 
@@ -32,7 +32,7 @@ class AdamsStep {
 
   /// Tries a step of spacing() from (q, rate) at `time`. The result is left for swap_result();
   /// returns the estimated error (m), or a bound of it where that is below `unimportant`.
-  double attempt(Motion& motion, double time, const double* q, const double* rate,
+  double attempt(System& system, double time, const double* q, const double* rate,
                  double unimportant);
   /// Remembers the acceleration at the end of the step.
   void accept();

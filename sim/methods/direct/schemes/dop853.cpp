@@ -98,7 +98,7 @@ void Dop853Step::make_workspace(Arena& arena) {
   for (Slice* slice : {&error_q_, &error_rate_}) *slice = arena.make();
 }
 
-double Dop853Step::attempt(Motion& motion, double time, double h, const double* q,
+double Dop853Step::attempt(System& system, double time, double h, const double* q,
                            const double* rate, const double* first) {
   const double* a[kStages];
   a[0] = first;
@@ -106,18 +106,18 @@ double Dop853Step::attempt(Motion& motion, double time, double h, const double* 
   const std::size_t size = q_.size();
   for (int s = 1; s < kStages; ++s) {
     stage_state(s, size, h, q, rate, a, q_.data(), rate_.data());
-    motion.acceleration(time + kDop853.node[s] * h, q_.data(), rate_.data(),
+    system.acceleration(time + kDop853.node[s] * h, q_.data(), rate_.data(),
                         accelerations_[s].data());
   }
   end_state(size, h, q, rate, a, q_.data(), rate_.data());
   error_of_order_5(size, h, a, error_q_.data(), error_rate_.data());
-  motion.to_tangent(q, error_q_.data());
-  motion.to_tangent(q, error_rate_.data());
-  const double error5 = motion.error(error_q_.data(), error_rate_.data());
+  system.to_tangent(q, error_q_.data());
+  system.to_tangent(q, error_rate_.data());
+  const double error5 = system.error(error_q_.data(), error_rate_.data());
   error_of_order_3(size, h, a, error_q_.data(), error_rate_.data());
-  motion.to_tangent(q, error_q_.data());
-  motion.to_tangent(q, error_rate_.data());
-  const double error3 = motion.error(error_q_.data(), error_rate_.data());
+  system.to_tangent(q, error_q_.data());
+  system.to_tangent(q, error_rate_.data());
+  const double error3 = system.error(error_q_.data(), error_rate_.data());
   // Hairer's blend: of order 8 where both estimates behave.
   const double blend = std::hypot(error5, 0.1 * error3);
   return blend > 0 ? error5 * error5 / blend : blend;

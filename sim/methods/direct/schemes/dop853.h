@@ -1,10 +1,10 @@
-// Explicit Runge-Kutta of order 8 for second-order motion.
+// Explicit Runge-Kutta of order 8 for motions of second order.
 #pragma once
 
 #include <array>
 
 #include "sim/methods/direct/schemes/arena.h"
-#include "sim/methods/direct/system/motion.h"
+#include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {
 
@@ -98,7 +98,7 @@ class Dop853Step {
 
   /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`; returns the
   /// estimated error (m).
-  double attempt(Motion& motion, double time, double h, const double* q, const double* rate,
+  double attempt(System& system, double time, double h, const double* q, const double* rate,
                  const double* first);
 
   // After the last attempt.

@@ -132,7 +132,7 @@ void RosenbrockStep::make_workspace(Arena& arena) {
   }
 }
 
-StepError RosenbrockStep::attempt(Motion& motion, double time, double h, const double* q,
+StepError RosenbrockStep::attempt(System& system, double time, double h, const double* q,
                                   const double* rate, const double* first) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   constexpr StepError kOutside = {kInfinite, kInfinite, kInfinite};
@@ -143,7 +143,7 @@ StepError RosenbrockStep::attempt(Motion& motion, double time, double h, const d
   }
   const std::size_t size = q_.size();
   const double sigma = 1 / (kGamma * h);
-  motion.factor(sigma * sigma);
+  system.factor(sigma * sigma);
   for (int s = 0; s < kStages; ++s) {
     const double* y = rate;
     if (s == 0) {
@@ -152,26 +152,26 @@ StepError RosenbrockStep::attempt(Motion& motion, double time, double h, const d
       stage_state(s, size, rate, dx, dy, q_.data(), rate_.data());
       std::copy(rate_.begin(), rate_.end(), chart_rate_.begin());
       y = chart_rate_.data();
-      if (!motion.retract(q, q_.data(), rate_.data())) return kOutside;
-      motion.acceleration(time + kNode[s] * h, q_.data(), rate_.data(), acceleration_.data());
+      if (!system.retract(q, q_.data(), rate_.data())) return kOutside;
+      system.acceleration(time + kNode[s] * h, q_.data(), rate_.data(), acceleration_.data());
     }
-    motion.to_tangent(q, acceleration_.data());
+    system.to_tangent(q, acceleration_.data());
     right_side(s, size, h, y, acceleration_.data(), dx, dy, dx[s], dy[s]);
-    motion.solve_factored(dx[s]);
-    motion.to_tangent(q, dx[s]);
+    system.solve_factored(dx[s]);
+    system.to_tangent(q, dx[s]);
     finish_stage(size, sigma, dx[s], dy[s]);
   }
   end_state(size, rate, dx, dy, q_.data(), rate_.data(), error_q_.data(), error_rate_.data());
-  if (!motion.retract(q, q_.data(), rate_.data())) return kOutside;
+  if (!system.retract(q, q_.data(), rate_.data())) return kOutside;
   StepError error;
-  error.all = motion.error(error_q_.data(), error_rate_.data());
-  error.passed_over = motion.displacement(error_q_.data());
+  error.all = system.error(error_q_.data(), error_rate_.data());
+  error.passed_over = system.displacement(error_q_.data());
   for (Slice* part : {&error_q_, &error_rate_}) {
     for (double& x : *part) x *= sigma * sigma;
-    motion.solve_factored(part->data());
-    motion.to_tangent(q, part->data());
+    system.solve_factored(part->data());
+    system.to_tangent(q, part->data());
   }
-  error.followed = motion.error(error_q_.data(), error_rate_.data());
+  error.followed = system.error(error_q_.data(), error_rate_.data());
   return error;
 }
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "sim/methods/direct/schemes/arena.h"
-#include "sim/methods/direct/system/motion.h"
+#include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {
 
@@ -21,9 +21,9 @@ class RosenbrockStep {
   void make_results(Arena& arena);
   void make_workspace(Arena& arena);
 
-  /// Tries a step as Dop853Step::attempt(); the last acceleration that `motion` computed must be
+  /// Tries a step as Dop853Step::attempt(); the last acceleration that `system` computed must be
   /// `first`. Infinite where a direction turns by a right angle.
-  StepError attempt(Motion& motion, double time, double h, const double* q, const double* rate,
+  StepError attempt(System& system, double time, double h, const double* q, const double* rate,
                     const double* first);
 
   // After the last attempt.

@@ -9,6 +9,10 @@
 namespace taut::direct {
 namespace {
 
+/// A particle without mass, which the model has no equation for, is taken to weigh this share of
+/// everything that moves with it.
+constexpr double kLeastMassShare = 1e-9;
+
 /// A link this short, as a share of all, counts as none.
 constexpr double kLeastLink = 1e-6;
 

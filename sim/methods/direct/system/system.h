@@ -1,6 +1,7 @@
 // The system that the direct method steps: spans and free bodies that pull on each other.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -8,14 +9,30 @@
 
 #include "sim/links/linear_systems.h"
 #include "sim/methods/direct/system/links.h"
-#include "sim/methods/direct/system/motion.h"
 #include "sim/motion/plane.h"
 #include "sim/topology/components.h"
 #include "sim/world/world.h"
 
 namespace taut::direct {
 
-/// The motion of a component. Coordinates: the unit directions u of all links (in a plane their
+/// An error of velocity counts for this time (s): a share of that in which a pendulum of `length`
+/// (m) would turn it into an error of position.
+inline double velocity_time_of(double length) {
+  constexpr double kShare = 0.15;
+  constexpr double kStandardGravity = 9.80665;  // m/s^2
+  return kShare * std::sqrt(length / kStandardGravity);
+}
+
+/// The estimated error (m) of a step.
+struct StepError {
+  double all = 0;          // in places and velocities
+  double followed = 0;     // of that, less the damped part of waves passed over
+  double passed_over = 0;  // in places, on those waves
+};
+
+/// The motion of a component, q'' = a(t, q, q'), with arrays of size() doubles, a multiple of four;
+/// padding among them is zero. The coordinates are never places, so that every length holds
+/// whatever an integrator does: the unit directions u of all links (in a plane their
 /// angles), then the unit quaternions (w x y z) of the bodies. For link i of length l between the
 /// points i and i+1, with a tension T_i that is positive where the link pulls:
 ///
@@ -27,7 +44,7 @@ namespace taut::direct {
 /// tridiagonal system for all spans, and a small dense one for bodies that several links hold.
 ///
 /// In a plane a component is one span, and bodies that hang by one point are links.
-class System : public Motion {
+class System {
  public:
   /// Room for so many links, and spans with so many ends.
   void reserve(std::size_t links, std::size_t ends);
@@ -44,28 +61,54 @@ class System : public Motion {
   /// The tension (N) of a link, as of the last acceleration().
   double tension(std::size_t link) const { return links_.tension(link); }
 
-  void load(const World& world, double time, double* q, double* rate) override;
-  void store(World& world, const double* q, const double* rate) override;
-  void attach(const World& world) override { world_ = &world; }
-  const std::optional<Vec3>& left_plane() const override { return left_plane_; }
-  double length() const override { return length_; }
-  double shortest() const override { return shortest_; }
-  double wave_frequency() const override { return links_.wave_frequency(); }
+  /// Reads the state from the world, whose time is `time`.
+  void load(const World& world, double time, double* q, double* rate);
+  /// Writes the state at the world's time, positions included, to the world, in which what is
+  /// prescribed is at its place.
+  void store(World& world, const double* q, const double* rate);
+  /// Reads holds from `world` from now on.
+  void attach(const World& world) { world_ = &world; }
+  /// The acceleration by which a hold has left the plane since load(), if one has.
+  const std::optional<Vec3>& left_plane() const { return left_plane_; }
+  double length() const { return length_; }      // m, of all links
+  double shortest() const { return shortest_; }  // m, of a link
+  /// An upper bound of the frequencies (rad/s) of the waves under the last tensions.
+  double wave_frequency() const { return links_.wave_frequency(); }
 
-  std::size_t size() const override { return links_.end() + 4 * bodies_.size() + Links::kPad; }
-  void acceleration(double time, const double* q, const double* rate, double* out) override;
-  bool project(double time, double* q, double* rate) override;
-  double projection_cost() const override;
-  double cycles() const override { return cycles_; }
-  double displacement(const double* change) const override;
-  double displacement_bound(double squares) const override {
+  std::size_t size() const { return links_.end() + 4 * bodies_.size() + Links::kPad; }
+  /// Writes q'' at `time` (s).
+  void acceleration(double time, const double* q, const double* rate, double* out);
+  /// Returns q and q' to where they belong after a step: unit lengths, closed loops. False where
+  /// that leaves a loop open.
+  bool project(double time, double* q, double* rate);
+  /// The cost of project(), in accelerations.
+  double projection_cost() const;
+  /// The cycles (see Counters::cycles) of an acceleration and of the integrator's use of it.
+  double cycles() const { return cycles_; }
+  /// By how far (m, RMS) a small change of q displaces the particles.
+  double displacement(const double* change) const;
+  /// A cheap upper bound of that, from the sum of the squares of `change`.
+  double displacement_bound(double squares) const {
     return displacement_factor_ * std::sqrt(squares);
   }
-  double velocity_time() const override { return velocity_time_; }
-  bool retract(const double* base, double* x, double* rate) const override;
-  void to_tangent(const double* base, double* x) const override;
-  void factor(double sigma_squared) override;
-  void solve_factored(double* x) const override;
+  /// The time (s) for which an error of velocity counts.
+  double velocity_time() const { return velocity_time_; }
+  /// The error (m) of the particles' positions that the errors of q and q' amount to.
+  double error(const double* of_q, const double* of_rate) const {
+    const double place = displacement(of_q), speed = velocity_time() * displacement(of_rate);
+    return std::sqrt(place * place + speed * speed);
+  }
+
+  // A chart for long steps, in which the unit lengths hold of themselves: of each q its part x
+  // across its place in `base`, so that q = x + sqrt(1 - x.x) base.
+
+  /// From the chart to q, in place; false where x has left the chart.
+  bool retract(const double* base, double* x, double* rate) const;
+  /// Leaves of x what lies across `base`.
+  void to_tangent(const double* base, double* x) const;
+  /// Factors sigma_squared - L, L the stiff part of the derivative of the last acceleration by q.
+  void factor(double sigma_squared);
+  void solve_factored(double* x) const;
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
