@@ -20,11 +20,7 @@ std::string driver_of(const std::string& description) {
   // "BACKEND: NAME (LLVM 15.0.6, 256 bits), OpenGL 4.5": OSMesa and EGL may lead to the same
   // driver.
   const std::size_t colon = description.find(": ");
-  std::string driver = colon == std::string::npos ? description : description.substr(colon + 2);
-  const std::size_t end = driver.find(" bits");
-  const std::size_t begin = end == std::string::npos ? end : driver.rfind(", ", end);
-  if (begin != std::string::npos) driver.erase(begin, end + 5 - begin);
-  return driver;
+  return colon == std::string::npos ? description : description.substr(colon + 2);
 }
 
 GoldenRecord read_golden(const std::filesystem::path& file) {

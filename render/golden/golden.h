@@ -13,7 +13,8 @@
 namespace taut::golden {
 
 /// The driver that draws in a context with this description (Context::description): its name and
-/// version, without the backend and the width of its vectors, which depends on the processor.
+/// version, without the backend. A software rasteriser tells the width of its vectors, too: on
+/// processors with others it has other instructions, which round otherwise.
 std::string driver_of(const std::string& description);
 
 /// The poses of characters' bones, [character][bone], world space.

@@ -41,6 +41,16 @@ TEST_P(GoldenSuites, LookAsAccepted) {
   EXPECT_EQ(outcome.code, 0) << outcome.output << outcome.messages;
 }
 
+/// Mesa's rasteriser draws as on the processors of twenty years ago.
+TEST_P(GoldenSuites, LookAsAcceptedOnProcessorsWithShortVectors) {
+  if (GetParam() == "motions") GTEST_SKIP() << "no pictures";
+  Child child({"env", "GALLIUM_OVERRIDE_CPU_CAPS=sse2", TAUT_PROGRAM, "golden", "check",
+               kGoldens / GetParam(), "--quiet"},
+              kGoldens);
+  const ProgramResult outcome = child.wait();
+  EXPECT_EQ(outcome.code, 0) << outcome.output << outcome.messages;
+}
+
 INSTANTIATE_TEST_SUITE_P(All, GoldenSuites, testing::ValuesIn(suites()),
                          [](const auto& suite) { return suite.param; });
 
