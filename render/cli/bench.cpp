@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "render/base/atomic_file.h"
@@ -17,6 +16,8 @@
 namespace taut::cli {
 namespace bench_command {
 namespace {
+
+constexpr options::Budgets kBudgets{.usual = 120, .quick = 20};
 
 struct Options {
   options::StudyOptions study;
@@ -70,7 +71,7 @@ void add_bench(CLI::App& app, program::Program& program) {
   taut bench scenes/rope_swing.toml --quick --methods impulse,springs,direct
   taut bench scenes/rope_swing.toml --particles 21 --against xpbd --methods impulse,xpbd)");
   const auto options = std::make_shared<Options>();
-  options::add_study_options(command, options->study, 120);
+  options::add_study_options(command, options->study, kBudgets);
   options->study.features = options::study_features("bench");
   command
       .add_option("--particles", options->particles,
@@ -83,7 +84,7 @@ void add_bench(CLI::App& app, program::Program& program) {
   command.callback([options, &program] {
     program.run = [options, &program] {
       const bool quick = options->study.quick;
-      if (quick) options->study.budget = std::min(options->study.budget, 20.0);
+      options::choose_budget(options->study, kBudgets);
       if (options->particles.empty()) {
         options->particles =
             quick ? std::vector<std::size_t>{11, 21} : std::vector<std::size_t>{11, 21, 41, 81};

@@ -21,6 +21,8 @@ namespace taut::cli {
 namespace chart_command {
 namespace {
 
+constexpr options::Budgets kBudgets{.usual = 240, .quick = 20};
+
 constexpr const char* kTruth = "truth";  // the row of a part's horizon (s) and self-error (m)
 studies::Target solved_target(const options::StudyOptions& options, const scenes::Scene& scene,
                               bool quiet) {
@@ -144,13 +146,13 @@ scores and times it, and --merge draws the chart from their rows. --budget then 
 one run may take.)");
   const auto options = std::make_shared<options::StudyOptions>();
   const auto markdown = std::make_shared<bool>(false);
-  options::add_study_options(command, *options, 240);
+  options::add_study_options(command, *options, kBudgets);
   program::add_part_options(command, options->part, "runs");
   options->features = options::study_features("chart");
   command.add_flag("--markdown", *markdown, "The tables as Markdown");
   command.callback([options, markdown, &program] {
     program.run = [options, markdown, &program] {
-      if (options->quick) options->budget = std::min(options->budget, 20.0);
+      options::choose_budget(*options, kBudgets);
       return options::for_each_study(
           *options, program.common,
           [&](const options::StudyOptions& one) { return run(one, *markdown, program.common); });

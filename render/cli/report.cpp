@@ -20,6 +20,8 @@ namespace taut::cli {
 namespace report_command {
 namespace {
 
+constexpr options::Budgets kBudgets{.usual = 300, .quick = 30};
+
 // Shares of the budget; clips take what they take.
 constexpr double kAccuracy = 0.5, kStability = 0.5;
 // The share of a page's bytes that clips may take, as base64 of 4 characters for 3 bytes.
@@ -144,11 +146,11 @@ errors over time, a small clip of each method, and where each fails. Every point
 the command that makes it. A report that is stopped goes on where it was when the same command is
 given again.)");
   const auto options = std::make_shared<options::StudyOptions>();
-  options::add_study_options(command, *options, 300);
+  options::add_study_options(command, *options, kBudgets);
   options->features = options::study_features("report");
   command.callback([options, &program] {
     program.run = [options, &program] {
-      if (options->quick) options->budget = std::min(options->budget, 30.0);
+      options::choose_budget(*options, kBudgets);
       return run(*options, program.common);
     };
   });

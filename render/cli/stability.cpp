@@ -13,6 +13,8 @@ namespace taut::cli {
 namespace stability_command {
 namespace {
 
+constexpr options::Budgets kBudgets{.usual = 480, .quick = 20};
+
 /// How many cells of all maps each method has of each class.
 chart::Table class_table(const studies::StabilityStudy& study) {
   constexpr study::MotionClass kClasses[] = {
@@ -77,11 +79,11 @@ processes of their own, on any machines that share the folder of results: each t
 cells, and --merge draws the maps from them. --budget then only sets how long one cell may take.)");
   const auto options = std::make_shared<options::StudyOptions>();
   options->features = options::study_features("stability");
-  options::add_study_options(command, *options, 480);
+  options::add_study_options(command, *options, kBudgets);
   program::add_part_options(command, options->part, "cells");
   command.callback([options, &program] {
     program.run = [options, &program] {
-      if (options->quick) options->budget = std::min(options->budget, 20.0);
+      options::choose_budget(*options, kBudgets);
       return options::for_each_study(
           *options, program.common,
           [&](const options::StudyOptions& one) { return run(one, program.common); });

@@ -80,7 +80,7 @@ and times them one after another; --merge makes the tables.)");
       .delimiter(',');
   command
       .add_option("--budget", options->study.budget,
-                  "Seconds that each scene may take, about; default: 120")
+                  "Seconds of CPU time that each scene may take, about; default: 120")
       .positive();
   command.add_flag("--quick", options->study.quick, "Few settings of each method");
   command

@@ -70,8 +70,7 @@ Features study_features(std::string_view command) {
   return found == std::end(kStudies) ? Features::all() - kUnstudied : found->features;
 }
 
-void add_study_options(program::Command& command, StudyOptions& options, double budget) {
-  options.budget = budget;
+void add_study_options(program::Command& command, StudyOptions& options, const Budgets& budgets) {
   add_scene_options(command, options.inputs);
   command.add_option("--out", options.out,
                      "Folder for the results; default: below out/, by the scene's path");
@@ -80,10 +79,16 @@ void add_study_options(program::Command& command, StudyOptions& options, double 
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
       .delimiter(',');
   command
-      .add_option("--budget", options.budget,
-                  fmt::format("Seconds that it may take, about; default: {}", budget))
+      .add_option(
+          "--budget", options.asked_budget,
+          fmt::format("Seconds of CPU time that it may take, about; default: {}, with --quick {}",
+                      budgets.usual, budgets.quick))
       .positive();
-  command.add_flag("--quick", options.quick, "A coarse answer within half a minute");
+  command.add_flag("--quick", options.quick, "A coarse answer, by default within half a minute");
+}
+
+void choose_budget(StudyOptions& options, const Budgets& budgets) {
+  options.budget = options.asked_budget.value_or(options.quick ? budgets.quick : budgets.usual);
 }
 
 std::vector<Contender> chosen_contenders(const StudyOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,18 +21,27 @@ Features study_features(std::string_view command);
 
 struct StudyOptions {
   SceneOptions inputs;
-  std::string scene;                 // of the inputs, the one that is studied now
-  std::string out;                   // empty: by the scene's path, see results_folder()
-  std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
-  double budget = 0;                 // s of wall time
+  std::string scene;                   // of the inputs, the one that is studied now
+  std::string out;                     // empty: by the scene's path, see results_folder()
+  std::vector<std::string> methods;    // METHOD or METHOD:FORM; empty: all
+  std::optional<double> asked_budget;  // --budget
+  double budget = 0;                   // s of CPU time
   bool quick = false;
   double reference_step = 0;  // s: scores are against `direct` at that step; zero: the truth
   program::PartOptions part;  // of chart and stability
   Features features = study_features({});  // that the study follows
 };
 
-/// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.
-void add_study_options(program::Command& command, StudyOptions& options, double budget);
+/// What a study may take unless --budget tells, s of CPU time.
+struct Budgets {
+  double usual = 0, quick = 0;
+};
+
+/// SCENE..., --set, --out, --methods, --budget and --quick.
+void add_study_options(program::Command& command, StudyOptions& options, const Budgets& budgets);
+
+/// Sets the budget, once options are parsed: the one asked for, or that of `budgets`.
+void choose_budget(StudyOptions& options, const Budgets& budgets);
 
 /// A row of a comparison: a method, or a form of it.
 struct Contender {

@@ -1,23 +1,17 @@
 #include "render/study/scoring.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <sstream>
 
+#include "render/base/bounded.h"
 #include "render/base/interrupt.h"
 #include "render/program/progress.h"
 
 namespace taut::studies {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int kFrontTimings = 10, kTimings = 4, kSlowTimings = 3;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string list_of(const std::vector<double>& numbers) {
   std::string list;
@@ -127,13 +121,13 @@ void score_all(AccuracyStudy& study, const Target& target,
   std::size_t done = 0;
   const double share = seconds / static_cast<double>(study.blocks.size());
   for (std::size_t b = 0; b < study.blocks.size(); ++b) {
-    const Clock::time_point start = Clock::now();
+    const double start = render::process_seconds();
     for (const MethodChoice& candidate : candidates[b]) {
       render::stop_if_interrupted();
       const std::string key = score_key(candidate);
       if (const auto* cells = journal ? journal->find(key) : nullptr) {
         study.blocks[b].rows.push_back(row_from(candidate, *cells));
-      } else if (seconds_since(start) > share) {
+      } else if (render::process_seconds() - start > share) {
         study.blocks[b].rows.push_back(not_run(candidate, metrics.size()));
       } else {
         const study::AccuracyRow row = study::score(target.problem, target.reference, metrics,
@@ -148,7 +142,7 @@ void score_all(AccuracyStudy& study, const Target& target,
 
 void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, double seconds,
               double slow) {
-  const Clock::time_point start = Clock::now();
+  const double start = render::process_seconds();
   std::vector<std::vector<int>> timings;
   for (const AccuracyBlock& block : study.blocks) timings.emplace_back(block.rows.size());
   for (int round = 0; round < kFrontTimings; ++round) {
@@ -158,7 +152,7 @@ void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, d
       for (std::size_t i = 0; i < block.rows.size(); ++i) {
         study::AccuracyRow& row = block.rows[i];
         render::stop_if_interrupted();
-        if (seconds_since(start) > seconds) return;
+        if (render::process_seconds() - start > seconds) return;
         if (row.cpu.empty() || (!best[i] && (round < kTimings || timings[b][i] == kTimings)))
           continue;
         const bool is_slow = row.cpu.front() * target.problem.duration() > slow;

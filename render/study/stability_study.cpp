@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <optional>
 
+#include "render/base/bounded.h"
 #include "render/base/interrupt.h"
 #include "render/program/journal.h"
 #include "render/program/note.h"
@@ -16,23 +16,19 @@
 namespace taut::studies {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-/// Time shared out evenly among pieces of work: the rest of one goes to the others.
+/// CPU time shared out evenly among pieces of work: the rest of one goes to the others.
 class Shares {
  public:
   Shares(double seconds, std::size_t pieces)
-      : end_(Clock::now() +
-             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))),
-        pieces_(pieces) {}
+      : end_(render::process_seconds() + seconds), pieces_(pieces) {}
   /// The next piece's share, s.
   double next() {
-    const double left = std::chrono::duration<double>(end_ - Clock::now()).count();
-    return std::max(0.0, left) / static_cast<double>(std::max<std::size_t>(1, pieces_--));
+    const double left = std::max(0.0, end_ - render::process_seconds());
+    return left / static_cast<double>(std::max<std::size_t>(1, pieces_--));
   }
 
  private:
-  Clock::time_point end_;
+  double end_;  // s of CPU time of this process
   std::size_t pieces_;
 };
 
@@ -112,15 +108,15 @@ MapCell cell_of(const MapAxis& axis, std::size_t index, const StabilityStudy& st
           result.end == study::Run::End::over_cap};
 }
 
-/// Runs a contender over a map's cells, or takes them from the journal. Within `seconds`; a cell is
-/// not run where one that costs less was over its cap.
+/// Runs a contender over a map's cells, or takes them from the journal. Within `seconds` of CPU
+/// time; a cell is not run where one that costs less was over its cap.
 void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
           const std::vector<Column>& columns, double seconds, program::Journal& journal,
           const std::function<void()>& finished) {
   const options::Contender& contender = study.contenders[index];
   const std::vector<double> heights = heights_of(contender, study.quick);
   std::vector<bool> over_before(heights.size(), false);
-  const Clock::time_point start = Clock::now();
+  const double start = render::process_seconds();
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const double x = map.axis.values[i];
     bool over = false;  // in this column
@@ -129,7 +125,7 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
       const double y = heights[h];
       const std::string key = key_of(map.axis, contender, x, y);
       over = over || (map.axis.dearer && over_before[h]);
-      const double left = seconds - std::chrono::duration<double>(Clock::now() - start).count();
+      const double left = seconds - (render::process_seconds() - start);
       MapCell cell = cell_not_run(index, x, y);
       const auto* const cells = journal.find(key);
       if (cells && !over) {

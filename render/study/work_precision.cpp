@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <optional>
 
+#include "render/base/bounded.h"
 #include "render/program/command.h"
 #include "render/program/note.h"
 #include "render/study/scoring.h"
@@ -15,8 +15,6 @@
 
 namespace taut::studies {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double kScoringShare = 0.7, kTimingShare = 0.3;  // of the budget
 constexpr double kSlowShare = 0.002;                       // share of it that is a long run
@@ -46,10 +44,10 @@ AccuracyStudy empty_study(const options::StudyOptions& options) {
 }
 
 AccuracyStudy study_of(const options::StudyOptions& options, double least_error, bool quiet) {
-  const Clock::time_point begin = Clock::now();
+  const double begin = render::process_seconds();
   const Target target = solved_target(options, least_error, quiet);
   // The truth is part of the budget, but for what the rest needs at least.
-  const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
+  const double spent = render::process_seconds() - begin;
   const double left = std::max(options.budget - spent, 0.3 * options.budget);
   AccuracyStudy study = empty_study(options);
   score_all(study, target, {study::share_of_length(kMetre)}, kScoringShare * left, options.quick,
