@@ -10,6 +10,9 @@
 #include <cerrno>
 #include <csignal>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -135,6 +138,20 @@ class Child {
     if (clock_getcpuclockid(id_, &clock) == 0) clock_gettime(clock, &time);
     return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
   }
+  /// True where one of its threads would work, were a processor free, or waits for a disk.
+  bool wants_to_work() const {
+    std::error_code gone;
+    const auto tasks = "/proc/" + std::to_string(id_) + "/task";
+    for (const auto& task : std::filesystem::directory_iterator(tasks, gone)) {
+      std::ifstream file(task.path() / "stat");
+      const std::string stat((std::istreambuf_iterator<char>(file)), {});
+      const std::size_t name_end = stat.rfind(") ");  // its name may hold anything
+      if (name_end == std::string::npos) continue;
+      const char state = stat[name_end + 2];
+      if (state == 'R' || state == 'D') return true;
+    }
+    return false;
+  }
   int status() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_); }
 
  private:
@@ -162,7 +179,7 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::stri
     if (const double now = child.cpu_time(); now > work) {
       work = now;
       last_work = Clock::now();
-    } else if (blocked.empty() && Clock::now() - last_work > patience) {
+    } else if (blocked.empty() && Clock::now() - last_work > patience && !child.wants_to_work()) {
       blocked = arguments[0] + " did nothing for too long and was killed\n";
       child.kill();
     }

@@ -28,7 +28,7 @@ constexpr char kModel = 'm', kWanted = 'w', kRefused = 'r', kFailed = 'f';  // a
 /// The importers do some 10 MB a second; a small file gets 5 s.
 SandboxLimits limits_for(std::size_t bytes) {
   const double cpu_time = 5 + static_cast<double>(bytes >> 20);
-  return {model_limits::memory, model_limits::reply, cpu_time, 4 * cpu_time};
+  return {model_limits::memory, model_limits::reply, cpu_time, 20 * cpu_time};
 }
 
 std::string reply_to(const fs::path& file, const std::string& content, NamedFiles& files) {
