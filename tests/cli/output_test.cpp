@@ -4,7 +4,6 @@
 
 #include <csignal>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "render/picture/picture.h"
 #include "tests/cli/swing_scene.h"
@@ -152,22 +151,17 @@ TEST_F(Output, FilesSayWhatTheyAreOf) {
 TEST_F(Output, WatchingMakesAPosterWheneverTheSceneIsSaved) {
   Child child({TAUT_PROGRAM, "render", "swing.toml", "--watch", "--out", "here"}, folder_.path());
   const fs::path poster = folder_.path() / "here/poster.png";
-  const auto in_time = [](const std::function<bool()>& so) {
-    for (int i = 0; i < 3000 && !so(); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return so();
-  };
-  ASSERT_TRUE(in_time([&] { return fs::exists(poster); }));
+  ASSERT_TRUE(child.runs_until([&] { return fs::exists(poster); }));
   const std::string first = read_file(poster);
   folder_.write("swing.toml", "duration = -1\n");
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const std::string fault = "duration: found -1";
+  EXPECT_NE(child.messages_until(fault).find(fault), std::string::npos);
   std::string other = kShortSwing;
   folder_.write("swing.toml", other.replace(other.find("[1, 0, 0]"), 9, "[0, 1, 1]"));
-  EXPECT_TRUE(in_time([&] { return read_file(poster) != first; }));
+  EXPECT_TRUE(child.runs_until([&] { return read_file(poster) != first; }));
   kill(child.id(), SIGINT);
   const ProgramResult outcome = child.wait();
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
-  EXPECT_NE(outcome.messages.find("duration: found -1"), std::string::npos) << outcome.messages;
 }
 
 }  // namespace

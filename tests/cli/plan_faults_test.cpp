@@ -4,7 +4,6 @@
 #include <csignal>
 #include <filesystem>
 #include <iterator>
-#include <thread>
 
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
@@ -42,10 +41,7 @@ TEST_F(PlanFaults, StoppedItLeavesNothingBehind) {
     const std::string before = read_file(scene_);
     Child child({TAUT_PROGRAM, "plan", scene_.string(), "--tolerance", "1px", "--write"},
                 folder_.path());
-    for (int i = 0; i < 3000 && files() < 2; ++i) {  // until what --write will write is there
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    ASSERT_EQ(files(), 2);
+    ASSERT_TRUE(child.runs_until([&] { return files() == 2; })) << "what --write will write";
     kill(child.id(), signal);
     const ProgramResult outcome = child.wait();
     EXPECT_EQ(outcome.code, code) << outcome.messages;

@@ -47,9 +47,7 @@ class RenderFaults : public testing::Test {
 
   /// Waits until some frames are there.
   void wait_for_frames(std::size_t count) const {
-    for (int i = 0; i < 3000 && finished().size() < count; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    ASSERT_GE(finished().size(), count);
+    ASSERT_TRUE(comes_true([&] { return finished().size() >= count; }));
   }
 
   /// Every finished frame by its name. Files with a final name must be whole.
@@ -209,13 +207,6 @@ class FakeFfmpeg {
   std::string path_;
 };
 
-/// Waits until something is so.
-bool in_time(const std::function<bool()>& so) {
-  for (int i = 0; i < 1500 && !so(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  return so();
-}
-
 TEST_F(RenderFaults, WhatAKilledRunLeavesAliveTouchesNoVideoOfALaterOne) {
   const std::vector<std::string> few = {"--frames", "0-4"};
   // The encoder opens its output and lives on, as one that the kernel does not end would.
@@ -227,12 +218,12 @@ TEST_F(RenderFaults, WhatAKilledRunLeavesAliveTouchesNoVideoOfALaterOne) {
           "</dev/null >/dev/null 2>&1 &\necho $$ > encoder.part; mv encoder.part encoder\nwait");
   Child killed(command(few), folder_.path(), slow);
   const auto exists = [&](const char* name) { return fs::exists(folder_.path() / name); };
-  ASSERT_TRUE(in_time([&] { return exists("opened") && exists("encoder"); }));
+  ASSERT_TRUE(comes_true([&] { return exists("opened") && exists("encoder"); }));
   kill(killed.id(), SIGKILL);
   killed.wait();
   const pid_t encoder = std::stoi(read_file(folder_.path() / "encoder"));
   // Whoever takes over a process that has ended may leave it unburied.
-  EXPECT_TRUE(in_time([&] {
+  EXPECT_TRUE(comes_true([&] {
     const std::string status = read_file(fmt::format("/proc/{}/stat", encoder));
     return status.empty() || status.find(") Z") != std::string::npos;
   })) << "it outlives its parent";
@@ -240,7 +231,7 @@ TEST_F(RenderFaults, WhatAKilledRunLeavesAliveTouchesNoVideoOfALaterOne) {
   ASSERT_EQ(render(few).code, 0);
   const std::string video = read_file(out_ / "swing.mp4");
   folder_.write("go", "");
-  ASSERT_TRUE(in_time([&] { return exists("done"); }));
+  ASSERT_TRUE(comes_true([&] { return exists("done"); }));
   EXPECT_EQ(read_file(out_ / "swing.mp4"), video);
   std::ofstream(frames() / "000299.png.part") << "half";
   ASSERT_EQ(render(few).code, 0);
@@ -291,13 +282,12 @@ TEST_F(RenderFaults, FfmpegGetsNamesAsNames) {
 }
 
 TEST_F(RenderFaults, PatienceHoldsForEachOfFfmpegsCalls) {
-  const auto start = std::chrono::steady_clock::now();
+  // FFmpeg's default patience is longer than this answer takes.
   const ProgramResult outcome = render({"--frames", "0-4", "--patience", "0.5"},
-                                       FakeFfmpeg(folder_, "exit 0", "exec sleep 1000"));
+                                       FakeFfmpeg(folder_, "exit 0", "exec sleep 30"));
   EXPECT_EQ(outcome.code, 5);
   EXPECT_NE(outcome.messages.find("did nothing for too long"), std::string::npos)
       << outcome.messages;
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(50)) << "a minute";
 }
 
 TEST_F(RenderFaults, FfmpegsWordsAreTold) {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
 #include "sim/run/method.h"
 #include "tests/cli/swing_scene.h"
@@ -307,9 +306,7 @@ TEST(Simulate, SignalsLeaveNothingHalfWritten) {
     folder.write("scene.toml", kLong);
     Child child({TAUT_PROGRAM, "simulate", "scene.toml", "--csv", "t.csv"}, folder.path());
     const auto part = folder.path() / "t.csv.part";
-    for (int i = 0; i < 1000 && !(fs::exists(part) && fs::file_size(part) > 0); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    ASSERT_TRUE(child.runs_until([&] { return fs::exists(part) && fs::file_size(part) > 0; }));
     kill(child.id(), signal);
     const ProgramResult stopped = child.wait();
     EXPECT_EQ(stopped.code, code);
@@ -331,9 +328,7 @@ TEST(Simulate, TwoRunsDoNotShareAFile) {
   folder.write("scene.toml", kPushedStick);
   Child first({TAUT_PROGRAM, "simulate", "long.toml", "--csv", "t.csv"}, folder.path());
   const auto part = folder.path() / "t.csv.part";
-  for (int i = 0; i < 1000 && !(fs::exists(part) && fs::file_size(part) > 0); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  ASSERT_TRUE(first.runs_until([&] { return fs::exists(part) && fs::file_size(part) > 0; }));
   const ProgramResult second =
       run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path());
   EXPECT_EQ(second.code, 6);

@@ -76,15 +76,6 @@ class LongSlurm : public testing::Test {
   ProgramResult sh(const std::string& script) const {
     return Child({"sh", "-c", script}, folder_.path()).wait();
   }
-  /// Waits until something is so; false after `seconds`.
-  static bool becomes(const std::function<bool()>& is_so, int seconds) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-    while (std::chrono::steady_clock::now() < end) {
-      if (is_so()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    return is_so();
-  }
   pid_t process_of(const std::string& task) const {
     std::ifstream file(folder_.path() / ("task." + task));
     pid_t id = 0;
@@ -110,12 +101,12 @@ TEST_F(LongSlurm, PartsOfAnArrayThatAreKilledAreDoneAgainAndMerged) {
     const fs::path journal = here / ("parts/parts/frames." + task + "-of-4/journal");
     std::error_code none;
     ASSERT_TRUE(
-        becomes([&] { return fs::exists(journal, none) && fs::file_size(journal, none); }, 60));
+        comes_true([&] { return fs::exists(journal, none) && fs::file_size(journal, none); }));
     EXPECT_FALSE(fs::exists(journal.parent_path() / "clip.json")) << "it is done already";
     kill(process_of(task), SIGKILL);
   }
   // Slurm lets a task that is queued again wait, some two minutes.
-  ASSERT_TRUE(becomes([&] { return fs::exists(here / "parts/swing.mp4"); }, 400))
+  ASSERT_TRUE(comes_true([&] { return fs::exists(here / "parts/swing.mp4"); }))
       << sh("SLURM_CONF=$PWD/slurm.conf squeue; cat out/slurm/*").output;
   EXPECT_NE(sh("cat out/slurm/*").output.find("queued again"), std::string::npos);
   std::size_t frames = 0;

@@ -6,7 +6,6 @@
 #include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "render/chart/table.h"
 #include "tests/cli/swing_scene.h"
@@ -32,19 +31,6 @@ from = { fixed = [0, 0.6, 0] }
 to = { path = "hand" }
 start = { hanging_to = [0.19, 0.6, 0] }
 )";
-
-/// Starts a command, and stops it by `signal` once `file` has grown beyond `size`.
-ProgramResult stopped(const std::vector<std::string>& command, const fs::path& folder,
-                      const fs::path& file, std::size_t size, int signal) {
-  std::vector<std::string> words{TAUT_PROGRAM};
-  words.insert(words.end(), command.begin(), command.end());
-  Child child(words, folder);
-  for (int i = 0; i < 2000 && !(fs::exists(file) && fs::file_size(file) > size); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  kill(child.id(), signal);
-  return child.wait();
-}
 
 TEST(Study, HelpHasExamples) {
   for (const std::string command : {"bench", "chart", "stability"}) {
@@ -180,7 +166,7 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
                                          "4",     "--methods",  "impulse,springs,xpbd,direct"};
   const fs::path out = folder.path() / "out/scene";
   const ProgramResult first =
-      stopped(command, folder.path(), out / "chart.unfinished", 500, SIGINT);
+      stopped_once_written(command, folder.path(), out / "chart.unfinished", 500, SIGINT);
   ASSERT_EQ(first.code, 130) << first.messages;
   EXPECT_NE(first.messages.find("taut: interrupted; scoring: "), std::string::npos)
       << first.messages;
@@ -253,7 +239,9 @@ TEST(Chart, AnotherSceneStartsAnew) {
   const std::vector<std::string> command{"chart", "scene.toml", "--budget",
                                          "3",     "--methods",  "impulse"};
   const fs::path out = folder.path() / "out/scene";
-  ASSERT_EQ(stopped(command, folder.path(), out / "chart.unfinished", 300, SIGTERM).code, 143);
+  ASSERT_EQ(
+      stopped_once_written(command, folder.path(), out / "chart.unfinished", 300, SIGTERM).code,
+      143);
   folder.write("scene.toml", std::string(kShortSwing) + "# changed\n");
   const ProgramResult second = run_taut(command, folder.path());
   EXPECT_EQ(second.code, 0);
@@ -266,7 +254,9 @@ TEST(Stability, MapsHaveEveryCellAndGoOn) {
   const std::vector<std::string> command{"stability", "scene.toml", "--quick",        "--budget",
                                          "4",         "--methods",  "springs,impulse"};
   const fs::path out = folder.path() / "out/scene";
-  ASSERT_EQ(stopped(command, folder.path(), out / "stability.unfinished", 1000, SIGINT).code, 130);
+  ASSERT_EQ(
+      stopped_once_written(command, folder.path(), out / "stability.unfinished", 1000, SIGINT).code,
+      130);
   const ProgramResult second = run_taut(command, folder.path());
   ASSERT_EQ(second.code, 0) << second.messages;
   EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;

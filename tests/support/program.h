@@ -9,9 +9,13 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace taut {
@@ -20,6 +24,16 @@ struct ProgramResult {
   int code = 0;  // exit code; 128 + the signal that killed it, as shells say it
   std::string output, messages;
 };
+
+/// Waits until something is so, however busy the machine is; false after an hour.
+inline bool comes_true(const std::function<bool()>& is_so) {
+  constexpr auto kPause = std::chrono::milliseconds(2);
+  for (std::chrono::milliseconds waited{}; !is_so(); waited += kPause) {
+    if (waited > std::chrono::hours(1)) return false;
+    std::this_thread::sleep_for(kPause);
+  }
+  return true;
+}
 
 /// A child process with pipes from its standard output and error.
 class Child {
@@ -68,9 +82,41 @@ class Child {
     return outcome_.messages;
   }
 
-  /// Reads until the program ends; kills it after `limit`.
+  /// Waits until something is so, or the program has ended; true where it is so.
+  bool runs_until(const std::function<bool()>& is_so) const {
+    comes_true([&] { return is_so() || ended(); });
+    return is_so();
+  }
+  bool ended() const {
+    siginfo_t info{};
+    waitid(P_PID, static_cast<id_t>(id_), &info, WEXITED | WNOHANG | WNOWAIT);
+    return info.si_pid == id_;
+  }
+  /// CPU time of the program and of those that it started and that have ended, s.
+  double cpu_seconds() const {
+    std::ifstream file("/proc/" + std::to_string(id_) + "/stat");
+    std::string text((std::istreambuf_iterator<char>(file)), {});
+    text.erase(0, text.rfind(')') + 1);  // its name may hold anything
+    std::istringstream words(text);
+    constexpr int kBefore = 11;
+    std::string word;
+    for (int i = 0; i < kBefore; ++i) words >> word;
+    double ticks = 0;
+    for (int i = 0; i < 4; ++i) {
+      double some = 0;
+      if (words >> some) ticks += some;
+    }
+    return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+  }
+
+  /// Reads until the program ends; kills it after `limit` of CPU time, or where it does nothing for
+  /// ten minutes.
   ProgramResult wait(std::chrono::seconds limit = std::chrono::seconds(120)) {
-    const auto end = std::chrono::steady_clock::now() + limit;
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::minutes kIdle(10);
+    const double most = std::chrono::duration<double>(limit).count();
+    double work = 0;
+    auto last_work = Clock::now();
     pollfd pipes[2] = {{out_, POLLIN, 0}, {err_, POLLIN, 0}};
     std::string* texts[2] = {&outcome_.output, &outcome_.messages};
     while (pipes[0].fd >= 0 || pipes[1].fd >= 0) {
@@ -85,7 +131,11 @@ class Child {
           pipes[i].fd = -1;
         }
       }
-      if (std::chrono::steady_clock::now() > end) {
+      if (const double now = cpu_seconds(); now > work) {
+        work = now;
+        last_work = Clock::now();
+      }
+      if (work > most || Clock::now() - last_work > kIdle) {
         ::kill(id_, SIGKILL);
         outcome_.messages += "\n[killed by the test: it ran too long]";
         break;
@@ -112,6 +162,28 @@ inline ProgramResult run_taut(std::vector<std::string> arguments,
                               const std::function<void()>& prepare = {}) {
   arguments.insert(arguments.begin(), TAUT_PROGRAM);
   return Child(std::move(arguments), folder, prepare).wait();
+}
+
+/// Runs taut and ends it by `signal` once `file` is longer than `size`: again where it was done
+/// before that.
+inline ProgramResult stopped_once_written(std::vector<std::string> arguments,
+                                          const std::filesystem::path& folder,
+                                          const std::filesystem::path& file, std::uintmax_t size,
+                                          int signal) {
+  arguments.insert(arguments.begin(), TAUT_PROGRAM);
+  const auto is_long = [&] {
+    std::error_code none;
+    const std::uintmax_t now = std::filesystem::file_size(file, none);
+    return !none && now > size;
+  };
+  for (;;) {
+    Child child(arguments, folder);
+    child.runs_until(is_long);
+    ::kill(child.id(), signal);
+    ProgramResult outcome = child.wait();
+    if (outcome.code != 0) return outcome;
+    std::filesystem::remove(file);
+  }
 }
 
 }  // namespace taut

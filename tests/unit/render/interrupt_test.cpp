@@ -15,6 +15,7 @@
 #include "render/base/part_file.h"
 #include "sim/motion/stop.h"
 #include "tests/support/folder.h"
+#include "tests/support/program.h"
 
 namespace taut::interrupt_test {
 namespace {
@@ -37,8 +38,7 @@ class Stuck {
         _exit(1);
       }
     }
-    for (int i = 0; i < 3000 && !fs::exists(ready); ++i)
-      std::this_thread::sleep_for(milliseconds(10));
+    comes_true([&] { return fs::exists(ready); });
   }
   ~Stuck() {
     if (id_ > 0) ::kill(id_, SIGKILL);
