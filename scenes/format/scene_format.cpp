@@ -146,7 +146,8 @@ const TableFormat& connector_format() {
        needed(table("to", "What holds the last particle.", end_format())),
        table("start",
              "Its shape at the start; default: hanging between ends whose places are "
-             "known, else straight along gravity.",
+             "known, as one with those that are joined to it end to end, else straight along "
+             "gravity.",
              start_format()),
        {.name = "over",
         .type = Type::texts,

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "scenes/reader/joints.h"
+#include "scenes/reader/lines.h"
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
 #include "scenes/reader/routes.h"
@@ -27,6 +28,9 @@ struct End {
   double point_mass = 0;         // kg
   std::optional<Joint::Particle> joined = {};
   const Value* hanging = nullptr;  // `hangs` of the body that holds it and has no place yet
+
+  /// True where it has a place, or will have.
+  bool fixed() const { return (to && !hanging) || joined; }
 };
 
 class Layout {
@@ -49,20 +53,11 @@ class Layout {
       joined_.emplace(document_, table, world_);
       std::vector<bool>& laid = laid_;
       laid.resize(table->children.size());
-      std::set<std::pair<std::size_t, std::size_t>> next;  // round, connector
-      for (std::size_t i = 0; i < laid.size(); ++i) next.emplace(0, i);
-      while (!next.empty()) {
-        const auto [round, i] = *next.begin();
-        next.erase(next.begin());
-        placed_.clear();
-        if (laid[i] || !lay(table->children[i], world_.connectors[i])) continue;
-        laid[i] = true;
-        for (const std::size_t body : placed_) {
-          for (const std::size_t waits : waiting_[body]) next.emplace(round + (waits < i), waits);
-        }
-        for (const std::size_t waits : joined_->joined_to(i)) {
-          if (!laid[waits]) next.emplace(round + (waits < i), waits);
-        }
+      lines_ = lines_of(*table, world_, *joined_);
+      lay_all(*table);
+      if (std::ranges::find(laid, false) != laid.end() && !lines_.empty()) {
+        lines_.clear();  // those that wait for each other are laid one by one
+        lay_all(*table);
       }
       for (std::size_t i = 0; i < laid.size(); ++i) {
         if (!laid[i]) {
@@ -86,6 +81,70 @@ class Layout {
   }
 
  private:
+  void lay_all(const Value& table) {
+    std::set<std::pair<std::size_t, std::size_t>> next;  // round, connector
+    for (std::size_t i = 0; i < laid_.size(); ++i) next.emplace(0, i);
+    while (!next.empty()) {
+      const auto [round, i] = *next.begin();
+      next.erase(next.begin());
+      placed_.clear();
+      if (laid_[i]) continue;
+      for (const std::size_t now : lay_with_neighbours(table, i)) {
+        laid_[now] = true;
+        for (const std::size_t waits : joined_->joined_to(now)) {
+          if (!laid_[waits]) next.emplace(round + (waits < i), waits);
+        }
+      }
+      for (const std::size_t body : placed_) {
+        for (const std::size_t waits : waiting_[body]) next.emplace(round + (waits < i), waits);
+      }
+    }
+  }
+
+  /// Lays a connector, or the line that it is of. Returns all that have their shapes by it.
+  std::vector<std::size_t> lay_with_neighbours(const Value& table, std::size_t index) {
+    const auto line = std::ranges::find_if(lines_, [&](const Line& one) {
+      return std::ranges::find(one, index, &InLine::connector) != one.end();
+    });
+    if (line != lines_.end() && outer(table, *line, false).fixed() &&
+        outer(table, *line, true).fixed()) {
+      return lay_line(table, *line);
+    }
+    if (!lay(table.children[index], world_.connectors[index])) return {};
+    return {index};
+  }
+
+  /// The first end of a line, or its last.
+  End outer(const Value& table, const Line& line, bool last) {
+    const InLine& one = last ? line.back() : line.front();
+    const bool to = last != one.against;
+    const std::size_t particle = to ? world_.connectors[one.connector].links() : 0;
+    End end = read_end(*table.children[one.connector].find(to ? "to" : "from"));
+    end.joined = joined_->target(one.connector, particle);
+    return end;
+  }
+
+  std::vector<std::size_t> lay_line(const Value& table, const Line& line) {
+    const End from = outer(table, line, false), to = outer(table, line, true);
+    const auto first = place(from), last = place(to);
+    if (!first || !last) return {};
+    const Value& value = table.children[line.back().connector];
+    const double length = length_of(line, world_), apart = (*last - *first).norm();
+    if (apart > length + apart_by_rounding(length, largest(from, to))) {
+      document_.fail(value, fmt::format("the ends of the line of {} connectors joined end to end "
+                                        "are {:.6g} m apart, expected at most its length, {:.6g} m",
+                                        line.size(), apart, length));
+    }
+    try {
+      hang_line(world_, line, *first, *last);
+    } catch (const std::invalid_argument& error) {
+      document_.fail(value, fmt::format("{}, expected a start", error.what()));
+    }
+    std::vector<std::size_t> laid;
+    for (const InLine& one : line) laid.push_back(one.connector);
+    return laid;
+  }
+
   void add(const Value& value) {
     const double length = value.find("length")->number;
     const double mass = mass_of(value, length);
@@ -400,6 +459,7 @@ class Layout {
   World& world_;
   Routes routes_;
   std::optional<JoinedEnds> joined_;
+  std::vector<Line> lines_;
   std::vector<bool> laid_;              // [connector] it has its shape
   std::size_t particles_ = 0;           // of all connectors so far
   std::vector<const Value*> unplaced_;  // [body] its `hangs` while it has no place

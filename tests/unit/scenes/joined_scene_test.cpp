@@ -1,4 +1,5 @@
 // Connectors that are joined, and nets: what they are read as, and what is said against them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -202,6 +203,44 @@ TEST_F(JoinedScene, NetsLaddersAndWebs) {
     expect_whole(world);
     EXPECT_EQ(world.connectors[0].name, "n#1");
   }
+}
+
+std::string part(const std::string& name, double length, double mass, int particles,
+                 const std::string& from, const std::string& to) {
+  return fmt::format(
+      "[connectors.{}]\nlength = {}\nmass = {}\nparticles = {}\nfrom = {{ {} }}\nto = {{ {} }}\n",
+      name, length, mass, particles, from, to);
+}
+
+// Joined end to end they hang as one between their outer ends, in whatever direction each goes.
+TEST_F(JoinedScene, WhatIsJoinedEndToEndStartsAtRest) {
+  const std::string here = "fixed = [0, 0, 0]", there = "fixed = [3, 1, 0]", none = "free = true";
+  const std::string chain = part("chain", 2, 3, 11, here, none);
+  for (const std::string& line :
+       {chain + part("rope", 2, 0.1, 9, "connector = \"chain\", at = 2", there),
+        chain + part("rope", 2, 0.1, 9, there, "connector = \"chain\", at = 2"),
+        part("rope", 2, 0.1, 9, "connector = \"chain\", at = 0", there) +
+            part("chain", 2, 3, 11, none, here),
+        chain +
+            part("rope", 2, 0.1, 9, "connector = \"chain\", at = 2",
+                 "connector = \"end\", at = 0") +
+            part("end", 1, 2, 6, none, there)}) {
+    SCOPED_TRACE(line);
+    const scenes::Scene scene = read(kHead + line);
+    expect_whole(scene.world);
+    Simulation simulation = scenes::start(scene, scene.method);
+    simulation.advance_to(0.5);
+    for (std::size_t c = 0; c < scene.world.connectors.size(); ++c) {
+      const auto& before = scene.world.connectors[c].position;
+      const auto& after = simulation.world().connectors[c].position;
+      for (std::size_t i = 0; i < before.size(); ++i)
+        EXPECT_LT((after[i] - before[i]).norm(), 1e-9) << c << ", " << i;
+    }
+  }
+  expect(
+      kHead + chain + part("rope", 2, 0.1, 9, "connector = \"chain\", at = 2", "fixed = [3, 3, 0]"),
+      "the line of 2 connectors joined end to end are 4.24264 m apart, expected at most its "
+      "length, 4 m");
 }
 
 // The share by which the way is shorter than the cord, and both ends on the line between.
