@@ -85,7 +85,7 @@ std::string row(const Simulation& simulation, const studies::SelfEstimate& estim
   each_winch(world, [&](std::size_t c, std::size_t end) {
     line += fmt::format(",{:.17g}", winch_tension(world, c, end));
   });
-  if (estimate.on()) line += fmt::format(",{:.17g}", estimate.error());
+  if (estimate.exists()) line += fmt::format(",{:.17g}", estimate.error());
   return line + '\n';
 }
 
@@ -117,7 +117,7 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
   Report report;
   report.energy_scale = energy_scale(world);
   program::Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
-  if (rows.wanted()) rows.write(header(scene, estimate.on()));
+  if (rows.wanted()) rows.write(header(scene, estimate.exists()));
   for (int frame = 0; frame < frames; ++frame) {
     render::stop_if_interrupted();
     const double before = cpu_seconds();
@@ -245,8 +245,8 @@ every winch (NAME.from.tension, NAME.to.tension), error_estimate. SI units. Part
 have no columns; what is cut off a connector has its own from the start, as NAME'.
 
 {}
-It is the last column (inf once the run beside it diverges, nan where the method has no estimate)
-and, with --json, error_estimate_m (its largest and its final value), predictable_until_s and
+It is the last column, where the method has an estimate (inf once the run beside it diverges), and,
+with --json, error_estimate_m (its largest and its final value), predictable_until_s and
 estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
                                        studies::kEstimateHelp));
   const auto options = std::make_shared<Options>();

@@ -40,7 +40,7 @@ SelfEstimate::SelfEstimate(const scenes::Scene& scene, bool on) {
 }
 
 void SelfEstimate::follow(const Simulation& simulation) {
-  if (!estimate_ || !estimate_->none().empty()) return;
+  if (!exists()) return;
   const double before = thread_seconds();
   estimate_->follow(simulation);
   seconds_ += thread_seconds() - before;
@@ -48,7 +48,7 @@ void SelfEstimate::follow(const Simulation& simulation) {
 }
 
 double SelfEstimate::error() const {
-  return estimate_ ? estimate_->error() : std::nan("");
+  return estimate_.value().error();
 }
 
 void SelfEstimate::add_to(nlohmann::ordered_json& record) const {

@@ -23,8 +23,9 @@ class SelfEstimate {
   /// Goes to where the simulation is now.
   void follow(const Simulation& simulation);
 
-  bool on() const { return estimate_.has_value(); }
-  /// At the last frame, m; not a number where there is no estimate.
+  /// True where it is switched on and the method has one.
+  bool exists() const { return estimate_ && estimate_->none().empty(); }
+  /// At the last frame, m; infinite once the run beside it diverged. It has to exist.
   double error() const;
 
   /// Adds error_estimate_m, predictable_until_s, estimate_ms_per_second and what they mean to a

@@ -128,8 +128,7 @@ TEST_F(Usage, AnyValueOfASceneCanBeSet) {
       {"--set", "connectors.rope.particles=3", "--method", "springs", "--set", "stiffness=5000"});
   EXPECT_EQ(both.code, 0) << both.messages;
   EXPECT_EQ(both.output.substr(0, both.output.find('\n')),
-            "t,rope.0.x,rope.0.y,rope.0.z,rope.1.x,rope.1.y,rope.1.z,rope.2.x,rope.2.y,rope.2.z,"
-            "error_estimate");
+            "t,rope.0.x,rope.0.y,rope.0.z,rope.1.x,rope.1.y,rope.1.z,rope.2.x,rope.2.y,rope.2.z");
   const ProgramResult wrong = rows({"--set", "connectors.rope.lenght=1"});
   EXPECT_EQ(wrong.code, 3);
   EXPECT_NE(wrong.messages.find("connectors.rope.lenght as set: is no key of the format, did you "
