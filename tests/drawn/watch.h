@@ -224,7 +224,7 @@ class Watch {
     };
     const double way = farthest(before, now);
     if (scene_.fps < 60 || way <= most(speed, time) + near) return;
-    if (may_jump(frame) || is_at_full_length(frame * time)) return;
+    if (may_jump(frame) || is_at_full_length(frame * time) || end_is_inside()) return;
     // A method with steps of its own is looked at after each: shorter ones would be another run.
     const double own = step_of(method_.settings);
     const auto at = [&](int of_frame) { return of_frame / static_cast<double>(scene_.fps); };
@@ -239,6 +239,23 @@ class Watch {
       last = next;
     }
     if (way > accounted) tell("continuous", frame, way, accounted);
+  }
+
+  /// Whether what holds an end has drawn it into an obstacle that its connector touches: then no
+  /// motion may exist.
+  bool end_is_inside() const {
+    const World& world = simulation_.world();
+    for (const Obstacle& obstacle : world.obstacles) {
+      const Pose frame = obstacle.frame(world.time).pose();
+      for (const Connector& c : world.connectors) {
+        if (!obstacle.touches(c.category)) continue;
+        for (const Hold& hold : c.holds) {
+          const Vec3& at = c.position[hold.particle];
+          if (gap(obstacle, frame, at, c.radius).distance < 0) return true;
+        }
+      }
+    }
+    return false;
   }
 
   static double farthest(const Snapshot& a, const Snapshot& b) {
