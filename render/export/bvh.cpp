@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "scenes/character/skeleton.h"
-#include "scenes/files/error.h"
+#include "scenes/format/document.h"
 
 namespace taut::exporting {
 namespace {
@@ -38,9 +38,9 @@ class BvhWriter final : public FrameWriter {
     for (std::size_t i = 0; i < model_.bones.size(); ++i)
       if (model_.bones[i].parent < 0) roots.push_back(i);
     if (roots.size() != 1)
-      throw scenes::BadScene(
-          fmt::format("{}: the character's skeleton has {} roots, expected one for BVH",
-                      scene.file.string(), roots.size()));
+      scenes::fail_at(
+          scene.file, {"characters"},
+          fmt::format("the character's skeleton has {} roots, expected one for BVH", roots.size()));
     text_ = "HIERARCHY\n";
     describe(roots.front(), 0);
     text_ +=
@@ -74,8 +74,8 @@ class BvhWriter final : public FrameWriter {
   static const scenes::Performance& performance_of(const scenes::Scene& scene) {
     const std::size_t count = scene.performances.size();
     if (count != 1)
-      throw scenes::BadScene(fmt::format("{}: has {} characters on its stage, expected one for BVH",
-                                         scene.file.string(), count));
+      scenes::fail_at(scene.file, {"characters"},
+                      fmt::format("has {} characters on its stage, expected one for BVH", count));
     return *scene.performances.front();
   }
 

@@ -11,7 +11,7 @@
 #include "render/film/render_workers.h"
 #include "render/options/method_options.h"
 #include "render/program/note.h"
-#include "scenes/files/error.h"
+#include "scenes/format/document.h"
 #include "sim/run/footprint.h"
 #include "sim/run/islands.h"
 #include "sim/topology/room.h"
@@ -220,11 +220,13 @@ void refuse_beyond(const Needs& needs, const scenes::Scene& scene, double most,
                    const fs::path& folder, const std::string& fewer, bool quiet) {
   const double allowed = most > 0 ? most : 0.75 * machine_memory();
   if (needs.memory > allowed) {
-    throw scenes::BadScene(fmt::format(
-        "{}: would take about {} of memory by {}, expected at most {} (--max-memory); {}fewer "
-        "particles or bodies, another method{} take less",
-        scene.file.string(), bytes_text(needs.memory), scene.method.name, bytes_text(allowed),
-        cheaper(scene), fewer));
+    scenes::fail_at(
+        scene.file, {},
+        fmt::format(
+            "would take about {} of memory by {}, expected at most {} (--max-memory); {}fewer "
+            "particles or bodies, another method{} take less",
+            bytes_text(needs.memory), scene.method.name, bytes_text(allowed), cheaper(scene),
+            fewer));
   }
   if (!folder.empty()) {
     if (const double room = free_disk(folder); needs.disk > room) {

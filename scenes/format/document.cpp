@@ -233,6 +233,22 @@ Document read_document(const std::filesystem::path& file) {
   return document;
 }
 
+void fail_at(const std::filesystem::path& file, const std::vector<std::string>& keys,
+             const std::string& message) {
+  std::error_code none;
+  if (file != kStandardInput && !std::filesystem::exists(file, none)) {  // a scene that is no file
+    throw BadScene(fmt::format("{}: {}", file.string(), message));
+  }
+  const Document document = read_document(file);
+  const Value* last = &document.root;
+  for (const std::string& key : keys) {
+    const Value* next = last->find(key);
+    if (!next) break;
+    last = next;
+  }
+  document.fail(*last, message);
+}
+
 Document parse_document(const std::filesystem::path& file, std::string_view text) {
   check_dots(file, text);
   try {

@@ -66,6 +66,11 @@ Document read_document(const std::filesystem::path& file);
 /// The same of text that is already here; `file` is what messages call it.
 Document parse_document(const std::filesystem::path& file, std::string_view text);
 
+/// Throws BadScene: file:line:column: KEY: `message`, of the last of these keys that is there, each
+/// a member of the one before it.
+[[noreturn]] void fail_at(const std::filesystem::path& file, const std::vector<std::string>& keys,
+                          const std::string& message);
+
 /// Puts `text`, a value as TOML writes it, at the dotted `path` of the document, in place of what
 /// stands there. Throws BadScene where the path leads through something that is no table, or the
 /// text is no value.

@@ -66,18 +66,20 @@ std::vector<SceneChange> without_mass(const std::string& rope) {
 Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   const Scene exact = load_scene(file, false);
   const std::optional<Plan>& plan = exact.plan;
-  const auto again = [&](const std::string& why) {
-    throw BadScene(fmt::format("{}: {}; taut plan {} --tolerance {} --write makes one",
-                               file.string(), why, file.string(), plan ? plan->tolerance : "1px"));
+  const auto again = [&](const char* key, const std::string& why) {
+    fail_at(file, {"plan", key},
+            fmt::format("{}; taut plan {} --tolerance {} --write makes one", why, file.string(),
+                        plan ? plan->tolerance : "1px"));
   };
   if (!exact.strange_plan.empty()) {
-    again(fmt::format("its plan is of another version of taut or of the scene ({})",
-                      exact.strange_plan));
+    again("", fmt::format("its plan is of another version of taut or of the scene ({})",
+                          exact.strange_plan));
   }
-  if (!plan) again("has no plan");
-  if (plan->stamp != plan_stamp(file)) again("changed since its plan was made");
+  if (!plan) again("", "has no plan");
+  if (plan->stamp != plan_stamp(file)) again("stamp", "changed since its plan was made");
   if (plan->program != method_stamp(plan->method)) {
-    again("this program's method moves otherwise than the one that its plan was made by");
+    again("program",
+          "this program's method moves otherwise than the one that its plan was made by");
   }
   const std::set<std::string> heavy = heavy_ropes(exact.world);
   std::vector<SceneChange> changes;
@@ -104,8 +106,8 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
     if (std::ranges::find(plan->links, body.name) == plan->links.end()) continue;
     const std::string reason = why_no_link(scene.world, scene.timeline, b);
     if (!reason.empty()) {
-      throw BadScene(fmt::format("{}: [plan]: body {} cannot be a link: {}", file.string(),
-                                 body.name, reason));
+      fail_at(file, {"plan", "links"},
+              fmt::format("body {} cannot be a link: {}", body.name, reason));
     }
     body.model = BodyModel::link;
   }

@@ -248,7 +248,7 @@ TEST_F(Export, MisuseAndFailuresLeaveNothing) {
   fails(2, "--to", {"link.toml", "--to", "abc"});
   fails(2, "standard output is the JSON's", {"link.toml", "--to", "npz", "-o", "-", "--json"});
   fails(3, "none.toml", {"none.toml", "--to", "npz"});
-  fails(3, "link.toml: has 0 characters on its stage", {"link.toml", "-o", "a.bvh"});
+  fails(3, "link.toml:1:1: has 0 characters on its stage", {"link.toml", "-o", "a.bvh"});
   fails(6, "cannot be created", {"link.toml", "-o", "cut.toml/a.npz"});
   fails(3, "of memory", {"cut.toml", "-o", "a.npz", "--max-memory", "10kB"});
   folder_.write("burst.toml", [] {

@@ -49,7 +49,7 @@ TEST_F(Needs, MoreMemoryThanAllowedIsRefused) {
   // 18 bytes for each of 99,999^2 pairs of links.
   table.add("a dense matrix of 100,000 links",
             refused(3,
-                    {"rope.toml: would take about 180 GB of memory by dynamic-constraints, "
+                    {"rope.toml:1:1: would take about 180 GB of memory by dynamic-constraints, "
                      "expected at most 100 GB (--max-memory)",
                      "solver = \"tridiagonal\""},
                     {"simulate", "rope.toml", "--method", "dynamic-constraints", "--set",
@@ -61,7 +61,7 @@ TEST_F(Needs, MoreMemoryThanAllowedIsRefused) {
                               {"render", "swing.toml", "--max-memory", "1MB", "--threads", "2"}));
   table.add(
       "a day at 1000 frames a second",
-      refused(3, {"day.toml: would take about ", " GB of memory"},
+      refused(3, {"day.toml:1:1: would take about ", " GB of memory"},
               {"render", "day.toml", "--fps", "1000", "--max-memory", "8GB", "--threads", "2"}));
   EXPECT_TRUE(table.is_as_accepted());
 }

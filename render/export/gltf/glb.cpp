@@ -9,7 +9,8 @@
 #include "render/export/gltf/gltf_view.h"
 #include "render/export/gltf/spline_tracks.h"
 #include "render/export/looks.h"
-#include "scenes/files/error.h"
+#include "scenes/format/document.h"
+#include "scenes/scene/names.h"
 
 namespace taut::exporting {
 namespace {
@@ -81,9 +82,10 @@ class GlbWriter final : public FrameWriter {
     std::size_t points = 0;
     for (std::size_t i = 0; const Connector& connector : world_.connectors) {
       if (connector.particles() > kMostJoints)
-        throw scenes::BadScene(
-            fmt::format("{}: {} has {} particles, expected at most {} for a glTF file",
-                        scene_.file.string(), connector.name, connector.particles(), kMostJoints));
+        scenes::fail_at(scene_.file,
+                        {"connectors", std::string(scenes::written_name(connector.name))},
+                        fmt::format("{} has {} particles, expected at most {} for a glTF file",
+                                    connector.name, connector.particles(), kMostJoints));
       connectors_.emplace_back(file_, meshes_, connector, look_of(scene_, i++), bodies_,
                                body_models(scene_));
       for (const std::size_t joint : connectors_.back().joints()) motion_.keep(joint);

@@ -124,7 +124,8 @@ TEST_F(PlanFile, OfASceneThatChangedIsRefused) {
     scenes::load_planned(file_, false);
     FAIL() << "taken";
   } catch (const scenes::BadScene& error) {
-    EXPECT_NE(std::string(error.what()).find("changed since its plan was made"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("plan.stamp: changed since its plan was made"),
+              std::string::npos);
   }
 }
 
