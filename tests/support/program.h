@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -23,6 +24,7 @@ namespace taut {
 struct ProgramResult {
   int code = 0;  // exit code; 128 + the signal that killed it, as shells say it
   std::string output, messages;
+  double cpu_seconds = 0;  // of the program and of those that it waited for
 };
 
 /// Waits until something is so, however busy the machine is; false after an hour.
@@ -144,7 +146,11 @@ class Child {
     close(out_);
     close(err_);
     int status = 0;
-    waitpid(id_, &status, 0);
+    rusage usage{};
+    wait4(id_, &status, 0, &usage);
+    for (const timeval& time : {usage.ru_utime, usage.ru_stime})
+      outcome_.cpu_seconds +=
+          static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
     id_ = -1;
     outcome_.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return outcome_;
