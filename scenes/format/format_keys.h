@@ -17,12 +17,20 @@ inline constexpr double kMostTurn = 1e6;      // rad
 inline constexpr double kMostLaps = 1000;     // of a curve
 inline constexpr double kMostPaidOut = 1e9;   // m, by a winch
 inline constexpr double kFastestWinch = 1e4;  // m/s, by a winch
+inline constexpr double kMostGravity = 1e9;   // m/s^2
 inline constexpr double kMostFriction = 100;  // beyond, nothing ever slides
 
 inline KeyFormat vector(std::string_view name, std::string_view meaning,
                         std::string_view unit = "m") {
   return {
       .name = name, .type = Type::numbers, .meaning = meaning, .unit = unit, .least = 3, .most = 3};
+}
+
+inline KeyFormat gravity() {
+  KeyFormat key = vector("gravity", "Default: [0, -9.81, 0].", "m/s^2");
+  key.minimum = -kMostGravity;
+  key.maximum = kMostGravity;
+  return key;
 }
 
 inline KeyFormat color(std::string_view name, std::string_view meaning) {

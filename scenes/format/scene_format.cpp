@@ -310,7 +310,7 @@ const TableFormat& scene_format() {
        .whole = true,
        .least = 2,
        .most = 2},
-      vector("gravity", "Default: [0, -9.81, 0].", "m/s^2"),
+      gravity(),
       table("air", "What connectors with drag move through.", air_format()),
       {.name = "method", .type = Type::method, .meaning = "How the world is advanced."},
       table("paths", "Motions that are given.", path_format(), Type::named),

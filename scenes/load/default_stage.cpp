@@ -497,6 +497,14 @@ std::string complete_stage(Scene& scene, const std::vector<SceneChange>& changes
         static_cast<double>(std::max(frames - 1, 0)) / scene.fps);
   }
   if (points.empty()) return left_out;
+  constexpr double kFarthest = 1e15;  // m
+  for (const Vec3& point : points) {
+    if (point.cwiseAbs().maxCoeff() <= kFarthest) continue;
+    document.fail(document.root,
+                  fmt::format("what moves comes to {:.3g} m from the origin, expected at most {} m "
+                              "in a picture",
+                              point.cwiseAbs().maxCoeff(), kFarthest));
+  }
   const CameraKey camera = framing(points, static_cast<double>(scene.width) / scene.height);
   if (!written || !written->find("light")) stage.light.direction = over_the_shoulder(camera);
   const Value* shots = written ? written->find("shots") : nullptr;

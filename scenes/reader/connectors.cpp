@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -68,6 +69,8 @@ class Layout {
       }
     }
     if (table) {
+      for (std::size_t i = 0; i < table->children.size(); ++i)
+        if (!routes_.passes(i)) check_digits(table->children[i], world_.connectors[i]);
       joined_->join(world_);
       for (std::size_t i = 0; i < table->children.size(); ++i) {
         repeat(table->children[i], i);
@@ -112,6 +115,22 @@ class Layout {
     }
     if (!lay(table.children[index], world_.connectors[index])) return {};
     return {index};
+  }
+
+  /// Rigid links have their lengths, as far as the coordinates of their particles have digits.
+  void check_digits(const Value& value, const Connector& connector) const {
+    if (connector.model != ConnectorModel::links || connector.pulls || connector.stretches() ||
+        connector.winch)
+      return;
+    constexpr double kNear = 1e-3;  // of a link
+    for (std::size_t k = 0; k + 1 < connector.position.size(); ++k) {
+      const double rest = connector.rest[k];
+      const double length = (connector.position[k + 1] - connector.position[k]).norm();
+      if (rest == 0 || std::abs(length - rest) <= kNear * rest) continue;
+      document_.fail(value, fmt::format("a link of {:.3g} m at [{:.3g}] comes out {:.3g} m long, "
+                                        "expected places whose digits hold its length",
+                                        rest, fmt::join(connector.position[k], ", "), length));
+    }
   }
 
   /// The first end of a line, or its last.

@@ -47,7 +47,9 @@ void ShadowCover::add(std::span<const std::uint32_t> triangles, std::span<const 
   if (triangles.empty()) return;
   projected_.resize(std::max(projected_.size(), times.size()));
   for (std::size_t i = 0; i < times.size(); ++i) project(times[i], projected_[i]);
-  const auto cell = [](float at) { return std::clamp(int(at * kCells), 0, kCells - 1); };
+  const auto cell = [](float at) {  // the first one of what is no number
+    return at > 0 ? int(std::min(at * kCells, float(kCells - 1))) : 0;
+  };
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
     Eigen::AlignedBox3f box;
     for (std::size_t k = 0; k < times.size(); ++k) box.extend(around(projected_[k], &triangles[i]));
@@ -71,7 +73,8 @@ bool ShadowCover::hides(const Places& projected, const std::uint32_t* corner) co
     return false;
   const Eigen::Array2f low = (triangle.min().head<2>().array() - filter) * float(kCells);
   const Eigen::Array2f high = (triangle.max().head<2>().array() + filter) * float(kCells);
-  if ((high < 0).any() || (low >= float(kCells)).any()) return false;
+  // So written that what is no number is not hidden.
+  if (!(high >= 0).all() || !(low < float(kCells)).all()) return false;
   const Eigen::Array2i first = low.max(0.0f).cast<int>();
   const Eigen::Array2i last = high.min(float(kCells - 1)).cast<int>();
   const std::array sides{Eigen::Vector2f(projected[corner[0]].head<2>()),

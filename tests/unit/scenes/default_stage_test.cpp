@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/scene/view.h"
 #include "tests/support/folder.h"
@@ -200,6 +201,19 @@ TEST_F(DefaultStage, WhatIsWrittenStays) {
   EXPECT_TRUE(bare.stage->scenery.empty());
   EXPECT_EQ(bare.stage->background, Vec3(0, 1, 0));
   EXPECT_NE(bare.stage->camera.at(0).position, scenes::CameraKey().position);
+}
+
+TEST_F(DefaultStage, WhatNoPictureHoldsIsRefused) {
+  std::string far = kRope;
+  far.replace(far.find("length = 2\n"), 11, "length = 1e30\n");
+  try {
+    staged(far);
+    FAIL() << "staged";
+  } catch (const scenes::BadScene& error) {
+    EXPECT_NE(std::string(error.what()).find("scene.toml:1:1: what moves comes to "),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace

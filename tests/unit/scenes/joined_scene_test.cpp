@@ -243,6 +243,16 @@ TEST_F(JoinedScene, WhatIsJoinedEndToEndStartsAtRest) {
       "length, 4 m");
 }
 
+// Numbers beyond what the arithmetic bears are refused where they stand.
+TEST_F(JoinedScene, NumbersWithoutDigitsAreRefused) {
+  expect(kHead + part("rope", 1, 0.1, 11, "fixed = [1e15, 0, 0]", "free = true") +
+             "start = { direction = [1, 0, 0] }\n",
+         "connectors.rope: a link of 0.1 m at [1e+15, 0, 0] comes out 0.125 m long");
+  expect(kHead + part("rope", 1e-200, 0.1, 3, "fixed = [0, 0, 0]", "free = true"),
+         "comes out 0 m long");
+  expect("gravity = [1e308, -1e308, 0]\n" + kHead, "gravity[0]: found 1e+308");
+}
+
 // The share by which the way is shorter than the cord, and both ends on the line between.
 TEST_F(JoinedScene, SlackOfANet) {
   const World world = read(kHead + net("net", "upper corners", "slack = 0.2\npleats = 2")).world;
