@@ -79,6 +79,7 @@ double distance(const Vec3& from, const Vec3& to, const Vec3& other_from, const 
 
 void NearLinks::rebuild(const World& world) {
   links_.clear();
+  if (world.connector_pairs.empty()) return;
   rules_.assign(world.connectors.size(), {});
   near_along_.clear();
   for (std::uint32_t r = 0; r < world.connector_pairs.size(); ++r) {
