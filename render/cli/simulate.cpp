@@ -23,8 +23,10 @@
 #include "render/report/run_score.h"
 #include "render/study/self_estimate.h"
 #include "scenes/scene/scene.h"
+#include "sim/contact/capsule.h"
 #include "sim/evaluation/energy_balance.h"
 #include "sim/links/winch_tension.h"
+#include "sim/measure/curves.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 
@@ -46,13 +48,26 @@ struct Options {
   options::MethodOptions method;
 };
 
-/// The measurements of a run; drift and stretch at frame times.
+/// How connectors that touch wind about each other, or one about itself.
+struct Winding {
+  std::size_t a = 0, b = 0;  // connectors; the same: its writhe
+  double start = 0, end = 0;
+};
+
+/// The measurements of a run; drift, stretch and penetration at frame times.
 struct Report {
   double stepping = 0;      // CPU s, in advance() alone
   double stretch = 0;       // largest share of a link's length
   double drift = 0;         // J, largest change of energy that no intervention explains
   double energy_scale = 0;  // J
+  double penetration = 0;   // m
+  std::vector<Winding> windings;
 };
+
+double winding(const World& world, const Winding& of) {
+  const Curve one = curve_of(world, of.a);
+  return of.a == of.b ? writhe(one) : linking_number(one, curve_of(world, of.b));
+}
 
 double cpu_seconds() {
   timespec now{};
@@ -116,6 +131,13 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
   const int frames = scene.frames();
   Report report;
   report.energy_scale = energy_scale(world);
+  constexpr std::size_t kMostWindings = 100;
+  for (const ConnectorPair& pair : world.connector_pairs) {
+    if (report.windings.size() == kMostWindings) break;
+    Winding made{.a = pair.a, .b = pair.b};
+    made.start = winding(world, made);
+    report.windings.push_back(made);
+  }
   program::Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
   if (rows.wanted()) rows.write(header(scene, estimate.exists()));
   for (int frame = 0; frame < frames; ++frame) {
@@ -131,10 +153,12 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
     estimate.follow(simulation);
     report.drift = larger(report.drift, std::abs(balance.next(world)));
     report.stretch = larger(report.stretch, stretch_max(world));
+    report.penetration = larger(report.penetration, contact::penetration_max(world));
     if (rows.wanted()) rows.write(row(simulation, estimate));
     progress.update(static_cast<std::uint64_t>(frame) + 1);
   }
   rows.finish();
+  for (Winding& made : report.windings) made.end = winding(world, made);
   return report;
 }
 
@@ -155,6 +179,20 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
   json["rejected"] = counters.rejected;
   json["handed_over"] = counters.handed_over;
   json["stretch_max"] = report.stretch;
+  json["penetration_max_m"] = report.penetration;
+  for (const Winding& winding : report.windings) {
+    const auto name = [&](std::size_t c) { return simulation.world().connectors[c].name; };
+    if (winding.a == winding.b) {
+      json["windings"].push_back({{"connector", name(winding.a)},
+                                  {"writhe_at_start", winding.start},
+                                  {"writhe", winding.end}});
+    } else {
+      json["windings"].push_back({{"connector", name(winding.a)},
+                                  {"other_connector", name(winding.b)},
+                                  {"linking_number_at_start", winding.start},
+                                  {"linking_number", winding.end}});
+    }
+  }
   json["energy_drift"] = nullptr;
   if (is_closed(simulation.world()) && report.energy_scale > 0) {
     json["energy_drift"] = report.drift / report.energy_scale;

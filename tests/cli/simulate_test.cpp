@@ -122,6 +122,42 @@ TEST(Simulate, JsonSaysWhatWasDone) {
   EXPECT_TRUE(json.at("energy_drift").is_null()) << "the hand does work";
 }
 
+TEST(Simulate, JsonSaysHowConnectorsThatTouchWind) {
+  const Folder folder;
+  folder.write("scene.toml", R"(duration = 0.1
+fps = 50
+[connectors.low]
+length = 1.0
+mass = 0.1
+particles = 6
+radius = 0.01
+from = { fixed = [-0.5, 0, 0] }
+to = { free = true }
+start = { direction = [1, 0, 0] }
+touches_itself = true
+[connectors.high]
+length = 1.0
+mass = 0.1
+particles = 6
+radius = 0.01
+from = { free = true }
+to = { free = true }
+start = { points = [[0, 0.03, -0.5], [0, 0.03, 0.6]] }
+[touching.both]
+connectors = ["low", "high"]
+)");
+  const ProgramResult outcome = run_taut({"simulate", "scene.toml", "--json"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_LT(json.at("penetration_max_m"), 1e-6);
+  const auto& windings = json.at("windings");
+  ASSERT_EQ(windings.size(), 2u);
+  EXPECT_EQ(windings[0].at("connector"), "low");
+  EXPECT_NEAR(windings[0].at("writhe"), 0, 1e-6);
+  EXPECT_EQ(windings[1].at("other_connector"), "high");
+  EXPECT_EQ(windings[1].at("linking_number"), windings[1].at("linking_number_at_start"));
+}
+
 // Mass moves to where a connector is cut, and with it potential energy, which is no error.
 TEST(Simulate, ACutChangesEnergyThatIsNoDrift) {
   const Folder folder;
