@@ -1594,6 +1594,8 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
       const Vec3 v = touches_.passing(mechanism_, was.candidate, at, to.state.data());
       const double ahead = v.dot(was.slip) / speed;
       if (ahead >= -lowest_slip_) continue;
+      // Links that lie on each other tremble: a way that is too short to tell ends no step.
+      if (of.is_at_rope() && std::max(speed, -ahead) * h < touching) continue;
       first = std::min(first, h * speed / (speed - ahead));
       reverses.push_back(was.candidate);
     } else if (was.sticks && of.stick != of.slide) {  // static friction no longer holds it
