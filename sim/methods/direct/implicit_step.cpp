@@ -1441,10 +1441,11 @@ void ImplicitStep::place_between(const StepState& from, const StepState& to, dou
   touches_.place(*world_, time);
 }
 
-/// The gap (m) of a candidate at the present state, and how fast it grows (m/s).
-ImplicitStep::Gap ImplicitStep::gap(std::uint32_t candidate) const {
-  const Meeting at = touches_.meet(mechanism_, candidate, state_.data());
-  return {at.gap, at.normal.dot(touches_.passing(mechanism_, candidate, at, state_.data())),
+/// The gap (m) of a candidate at a state whose obstacles are placed, and how fast it grows (m/s).
+ImplicitStep::Gap ImplicitStep::gap(std::uint32_t candidate,
+                                    const std::vector<double>& state) const {
+  const Meeting at = touches_.meet(mechanism_, candidate, state.data());
+  return {at.gap, at.normal.dot(touches_.passing(mechanism_, candidate, at, state.data())),
           at.normal};
 }
 
@@ -1512,18 +1513,19 @@ double ImplicitStep::first_pass(const StepState& from, const StepState& to, doub
   Part all;
   all.last = gap(candidate);
   if (all.last.gap > speed * h) return 1;
-  place_between(from, to, h, 0);
-  all.first = gap(candidate);
+  all.first = gap(candidate, from.state);
+  const auto is_safe = [&](const Part& part) {
+    const double share = part.end - part.start;
+    return part.first.gap + part.last.gap > speed * share * h || share < kShortest ||
+           part.first.normal.dot(part.last.normal) > kSameSide;
+  };
+  if (is_safe(all)) return 1;
   double found = 1;
   std::vector<Part> parts{all};
   while (!parts.empty()) {
     const Part part = parts.back();
     parts.pop_back();
-    const double share = part.end - part.start;
-    if (part.first.gap + part.last.gap > speed * share * h || share < kShortest ||
-        part.first.normal.dot(part.last.normal) > kSameSide) {
-      continue;
-    }
+    if (is_safe(part)) continue;
     const double middle = (part.start + part.end) / 2;
     place_between(from, to, h, middle);
     const Gap now = gap(candidate);

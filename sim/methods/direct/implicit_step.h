@@ -184,7 +184,8 @@ class ImplicitStep {
     double gap = 0, rate = 0;  // m, m/s
     Vec3 normal = Vec3::Zero();
   };
-  Gap gap(std::uint32_t candidate) const;
+  Gap gap(std::uint32_t candidate, const std::vector<double>& state) const;
+  Gap gap(std::uint32_t candidate) const { return gap(candidate, state_); }
   void find_near(const StepState& from, const StepState& to);
   double fastest_pass(const StepState& from, const StepState& to, double h,
                       const Candidate& of) const;
