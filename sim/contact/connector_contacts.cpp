@@ -156,6 +156,16 @@ LeverPair levers(const Mechanism& mechanism, std::size_t (Mechanism::*part)(std:
   return {of(links.a, shares.first), of(links.b, shares.other)};
 }
 
+/// The place or velocity of one link's point past that of another.
+Vec3 passes(const Mechanism& mechanism, std::size_t (Mechanism::*part)(std::size_t) const,
+            const LinkPair& links, const NearestShares& shares, const std::vector<double>& state) {
+  const auto at = [&](std::uint32_t point) {
+    return Vec3(ConstMap(&state[(mechanism.*part)(mechanism.leader(point))]));
+  };
+  return (1 - shares.first) * at(links.a) + shares.first * at(links.a + 1) -
+         (1 - shares.other) * at(links.b) - shares.other * at(links.b + 1);
+}
+
 }  // namespace
 
 void ConnectorContacts::rebuild(const Mechanism& mechanism, const World& world) {
@@ -282,13 +292,8 @@ void ConnectorContacts::move_out(const Mechanism& mechanism, double time, double
     const double depth = at.thick - at.normal.dot(place.value());
     if (depth <= 0) continue;
     place.add(depth * at.normal);
-    const auto part = [&](std::uint32_t point) {
-      return Vec3(ConstMap(&before[mechanism.position(mechanism.leader(point))]));
-    };
-    const Vec3 was =
-        (1 - at.shares.first) * part(at.links.a) + at.shares.first * part(at.links.a + 1) -
-        (1 - at.shares.other) * part(at.links.b) - at.shares.other * part(at.links.b + 1);
-    const Vec3 moved = place.value() - was;
+    const Vec3 moved =
+        place.value() - passes(mechanism, &Mechanism::position, at.links, at.shares, before);
     const Vec3 slip = moved - at.normal.dot(moved) * at.normal;
     place.add(-held_share(rules_[at.links.rule], slip.norm(), depth) * slip);
   }
@@ -307,12 +312,7 @@ void ConnectorContacts::rebound(const Mechanism& mechanism, double dt,
   }
   for (const Crossed& at : crossed_) {
     const LeverPair speed = levers(mechanism, &Mechanism::velocity, at.links, at.shares, state);
-    const auto part = [&](std::uint32_t point) {
-      return Vec3(ConstMap(&before[mechanism.velocity(mechanism.leader(point))]));
-    };
-    const Vec3 came =
-        (1 - at.shares.first) * part(at.links.a) + at.shares.first * part(at.links.a + 1) -
-        (1 - at.shares.other) * part(at.links.b) - at.shares.other * part(at.links.b + 1);
+    const Vec3 came = passes(mechanism, &Mechanism::velocity, at.links, at.shares, before);
     const double into = -at.normal.dot(came);
     const double back = into > resting ? rules_[at.links.rule].restitution * into : 0;
     const double parts = at.normal.dot(speed.value());
