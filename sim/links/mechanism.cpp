@@ -563,17 +563,34 @@ void Mechanism::add_flow(const double* state, std::vector<Vec3>& force) const {
   }
 }
 
+/// The direction in which rope flows past a particle.
+Vec3 Mechanism::way_at(const Winched& at, std::size_t particle, const double* state) const {
+  const std::size_t links = at.winch->rest.size();
+  const std::size_t before = particle == 0 ? 0 : particle - 1,
+                    behind = particle == links ? links : particle + 1;
+  const Vec3 way = vector(state + position(at.first_point + behind)) -
+                   vector(state + position(at.first_point + before));
+  return way.normalized();
+}
+
 Vec3 Mechanism::flow_past(std::size_t point, const double* state) const {
   for (const Winched& at : winches_) {
-    const std::size_t links = at.winch->rest.size();
-    if (point < at.first_point || point > at.first_point + links) continue;
+    if (point < at.first_point || point > at.first_point + at.winch->rest.size()) continue;
     const std::size_t i = point - at.first_point;
-    const std::size_t before = i == 0 ? 0 : i - 1, behind = i == links ? links : i + 1;
-    const Vec3 way = vector(state + position(at.first_point + behind)) -
-                     vector(state + position(at.first_point + before));
-    return at.winch->flow(i, at.first, at.last).speed * way.normalized();
+    return at.winch->flow(i, at.first, at.last).speed * way_at(at, i, state);
   }
   return Vec3::Zero();
+}
+
+Vec3 Mechanism::flow_by(std::size_t pulley, std::size_t side, std::size_t point,
+                        const double* state) const {
+  const Winched& at = winches_[pulleys_[pulley].end[side].winched];
+  if (point < at.first_point || point > at.first_point + at.winch->rest.size()) {
+    return Vec3::Zero();
+  }
+  const std::size_t i = point - at.first_point;
+  const double pays = side == 0 ? -1 : 1;  // of the end at the pulley
+  return pays * flow_share(*at.winch, 1 - side, i) * way_at(at, i, state);
 }
 
 /// Beside measure(): rest lengths change.
@@ -771,12 +788,10 @@ void Mechanism::clear_unit(const Passing& pulley) {
 }
 
 void Mechanism::measure_pulleys(const double* state) {
-  for (Passing& pulley : pulleys_) {
-    find_flow(pulley, state);
-    const Winched &from = winches_[pulley.end[0].winched], &to = winches_[pulley.end[1].winched];
-    pulley.free_force = paying_force(to, 0, state, point_acceleration_, {}) -
-                        paying_force(from, 1, state, point_acceleration_, {});
-    if (pulley.has_friction) measure_friction(pulley, state);
+  find_passing(state);
+  for (std::size_t p = 0; p < pulleys(); ++p) {
+    pulleys_[p].free_force = passing_drive(p, state, point_acceleration_);
+    if (pulleys_[p].has_friction) measure_friction(p, state);
   }
   auto coupling = couplings_.begin();
   for (std::size_t p = 0; p < pulleys(); ++p) {
@@ -852,6 +867,53 @@ double Mechanism::flow_inertia(const Winched& at, std::size_t end, std::size_t o
   return sum;
 }
 
+void Mechanism::find_passing(const double* state) {
+  for (Passing& pulley : pulleys_) find_flow(pulley, state);
+}
+
+double Mechanism::passing_mass(std::size_t pulley, std::size_t other, bool before) const {
+  const Passing &of = pulleys_[pulley], &by = pulleys_[other];
+  double sum = pulley != other ? 0 : before ? of.inertia / 2 : of.inertia;
+  if (!of.has_mass) return sum;
+  for (const std::size_t side : {0u, 1u}) {
+    if (before && side == 1) continue;
+    for (const std::size_t others : {0u, 1u}) {
+      if (by.end[others].winched != of.end[side].winched) continue;
+      const double sign = side == others ? 1 : -1;
+      sum += sign * flow_inertia(winches_[of.end[side].winched], 1 - side, 1 - others);
+    }
+  }
+  return sum;
+}
+
+double Mechanism::passing_drive(std::size_t pulley, const double* state,
+                                std::span<const Vec3> acceleration) const {
+  const Passing& at = pulleys_[pulley];
+  return paying_force(winches_[at.end[1].winched], 0, state, acceleration, {}) -
+         paying_force(winches_[at.end[0].winched], 1, state, acceleration, {});
+}
+
+double Mechanism::drive_before(std::size_t pulley, const double* state,
+                               std::span<const Vec3> acceleration) const {
+  const Winched& from = winches_[pulleys_[pulley].end[0].winched];
+  const std::size_t eye = from.first_point + from.winch->rest.size();
+  const double speed = from.last.rate, turning = from.winch->density * speed * speed;
+  return paying_force(
+             from, 1, state, acceleration,
+             {vector(state + position(eye)), vector(state + velocity(eye)), acceleration[eye]}) -
+         turning / 2;
+}
+
+double Mechanism::slide_ratio(std::size_t pulley) const {
+  const Passing& at = pulleys_[pulley];
+  const Winched &from = winches_[at.end[0].winched], &to = winches_[at.end[1].winched];
+  const Vec3 &arrives = direction_[from.first_row + from.winch->rest.size() - 1],
+             &leaves = direction_[to.first_row];
+  const double turn = std::atan2(arrives.cross(leaves).norm(), arrives.dot(leaves));
+  const double drag = at.bearing * std::sin(turn / 2);
+  return std::exp(at.friction * turn) * (1 + drag) / (1 - drag);
+}
+
 std::optional<std::size_t> Mechanism::run_through(double time, double* state) {
   constexpr double kLeast = 1e-2;
   if (pulleys() > 0) place(time, state);
@@ -892,18 +954,9 @@ void Mechanism::push_pulleys(const double* by, double* velocities, double* speed
 // Friction of rope that passes pulleys: how much larger one tension is than the other.
 
 /// The rope before the pulley by itself, as seen from there, and the ratio of tensions.
-void Mechanism::measure_friction(Passing& pulley, const double* state) {
-  const Winched &from = winches_[pulley.end[0].winched], &to = winches_[pulley.end[1].winched];
-  const std::size_t last = from.winch->rest.size(), eye = from.first_point + last;
-  const double speed = from.last.rate, turning = from.winch->density * speed * speed;
-  pulley.before = paying_force(from, 1, state, point_acceleration_,
-                               {vector(state + position(eye)), vector(state + velocity(eye)),
-                                point_acceleration_[eye]}) -
-                  turning / 2;
-  const Vec3 &arrives = direction_[from.first_row + last - 1], &leaves = direction_[to.first_row];
-  const double turn = std::atan2(arrives.cross(leaves).norm(), arrives.dot(leaves));
-  const double drag = pulley.bearing * std::sin(turn / 2);
-  pulley.ratio = std::exp(pulley.friction * turn) * (1 + drag) / (1 - drag);
+void Mechanism::measure_friction(std::size_t pulley, const double* state) {
+  pulleys_[pulley].before = drive_before(pulley, state, point_acceleration_);
+  pulleys_[pulley].ratio = slide_ratio(pulley);
 }
 
 /// The pulleys' equations under friction: where rope stays, its acceleration is zero.

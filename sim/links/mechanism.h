@@ -124,6 +124,36 @@ class Mechanism {
   /// The inertia (kg) in a pulley's equation (row) against the acceleration of each (column).
   const Eigen::MatrixXd& passing_inertia() const { return passing_inertia_; }
 
+  // A pulley's equation with all accelerations in it, for methods that solve velocities and
+  // tensions together: what its rope drives it with, less its inertia, the forces of passing rope
+  // and tensions over the shares of the links in couplings(). The part of the rope before the
+  // pulley stands alone too, because friction there depends on it.
+
+  /// Finds the forces that each_passing() visits, at the instant of the last place().
+  void find_passing(const double* state);
+  /// Visits the points of the rope before (0) or behind (1) a pulley, with the force (N per m/s^2)
+  /// on each by the pulley's acceleration.
+  template <class Visit>
+  void each_passing(std::size_t pulley, std::size_t side, Visit visit) const {
+    const RopeEnd& end = pulleys_[pulley].end[side];
+    const std::uint32_t first = winches_[end.winched].first_point;
+    for (std::uint32_t i = 0; i < end.force.size(); ++i) visit(first + i, end.force[i]);
+  }
+  /// The mass (kg) in a pulley's equation against the acceleration of `other`: all of it, or that
+  /// of half the sheave and the rope before it.
+  double passing_mass(std::size_t pulley, std::size_t other, bool before) const;
+  /// The force (N) that drives a pulley without tensions, under `acceleration` of points.
+  double passing_drive(std::size_t pulley, const double* state,
+                       std::span<const Vec3> acceleration) const;
+  /// The same force of the rope before the pulley, less the force that turns the rope there.
+  double drive_before(std::size_t pulley, const double* state,
+                      std::span<const Vec3> acceleration) const;
+  /// The ratio of the larger tension to the smaller at which rope slides, after measure().
+  double slide_ratio(std::size_t pulley) const;
+  /// How the velocity of rope past a point, flow_past(), grows with the speed of a pulley: by the
+  /// rope before it (0) or behind it (1).
+  Vec3 flow_by(std::size_t pulley, std::size_t side, std::size_t point, const double* state) const;
+
   /// The state of friction at a pulley.
   enum class Slip {
     free,      // no friction, or the rope pushes
@@ -278,12 +308,13 @@ class Mechanism {
                       std::span<const Vec3> acceleration, const PointMotion& frame) const;
   double bending_force(const Winched& at, const double* state) const;
   double passing_inertia(const Passing& pulley, std::size_t side, const Passing& other) const;
-  void measure_friction(Passing& pulley, const double* state);
+  void measure_friction(std::size_t pulley, const double* state);
   void use_friction();
   void give_unit(const RopeEnd& end);
   void clear_unit(const Passing& pulley);
   double flow_inertia(const Winched& at, std::size_t end, std::size_t other) const;
   void find_flow(Passing& pulley, const double* state) const;
+  Vec3 way_at(const Winched& at, std::size_t particle, const double* state) const;
   template <class Visit>
   void each_moved(const RopeEnd& end, Visit visit) const;
   void push_pulleys(const double* by, double* velocities, double* speeds) const;

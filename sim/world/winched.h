@@ -28,7 +28,7 @@ PaidOut paid_out(const World& world, std::size_t connector, std::size_t end, dou
 
 /// The flaw of a world's winches and pulleys, or empty: winches are at ends whose motion is known
 /// beforehand, pulleys at one place of two connectors of one density; both of rigid links that no
-/// pin holds and no joint, in worlds without contact, strings and massless spans.
+/// pin holds and no joint.
 std::string winch_flaw(const World& world);
 
 /// Gives all connectors that have winches the rest lengths and masses of `time` (s) and of what has

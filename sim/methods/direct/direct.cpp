@@ -45,7 +45,6 @@ class Direct : public LinkMethod {
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
       require("direct", world);
-      allows_implicit_step_ = (features(world) & kPulleyFeatures).empty();
       is_combined_ = find_refusal(abilities_without_implicit_step(), world).has_value();
     }
     if (options_.step > 0) step_count(until - world.time, options_.step);  // throws
@@ -215,7 +214,7 @@ class Direct : public LinkMethod {
   void advance_joined(World& world, double until) {
     if (!joined_) joined_ = std::make_unique<direct::Joined>(options_);
     is_new(world);
-    if (allows_implicit_step_ && joined_->is_stiff(world)) {
+    if (joined_->is_stiff(world)) {
       is_combined_ = true;
       return advance_implicit(world, until);
     }
@@ -223,7 +222,7 @@ class Direct : public LinkMethod {
       count_on(*joined_, [&] { joined_->advance(world, until); });
     } catch (const Diverged& stop) {
       // Links that fold through their full length may have no explicit step.
-      if (!allows_implicit_step_ || !stop.reason.starts_with("no step")) throw;
+      if (!stop.reason.starts_with("no step")) throw;
       const std::exception_ptr first = std::current_exception();
       try {
         advance_implicit(world, until);
@@ -325,7 +324,6 @@ class Direct : public LinkMethod {
   bool built_ = false;
   std::uint64_t topology_ = 0;
   bool is_combined_ = false;  // the world has features that only implicit steps follow together
-  bool allows_implicit_step_ = false;
   bool left_behind_ = false;  // parts of the world, by advance_near()
   direct::FollowedParts parts_{options_};
   std::vector<std::unique_ptr<direct::Elastic>> elastic_;  // of each connector with a material
@@ -400,7 +398,6 @@ MethodInfo direct_method() {
           {Features::all(),
            {
                {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
-               {kPulleyFeatures, kContactFeatures | Feature::strings | Feature::span},
                {kReelFeatures, Feature::span, {}, Apart::Within::connector},
                {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
            }},

@@ -96,6 +96,12 @@ double Implicit::size(const StepState& one, const StepState& other, double time)
     sum += place * place + time * time * speed * speed;
     ++count;
   }
+  for (std::size_t p = 0; p < mechanism.pulleys(); ++p) {
+    const std::size_t passed = mechanism.passed(p), speed = mechanism.speed(p);
+    const double place = one.state[passed] - other.state[passed];
+    sum += place * place + time * time * std::pow(one.state[speed] - other.state[speed], 2);
+    ++count;
+  }
   return std::sqrt(sum / std::max(count, 1.0));
 }
 
@@ -220,6 +226,14 @@ Attempt Implicit::try_step(double h) {
     if (same) step_.extrapolate(1 / (std::exp2(kOrderOfHalves) - 1), end_);
   }
   made.solved = step_.finish(end_, touching_, true);
+  if (!made.solved) return made;
+  if (const auto rope = step_.mechanism().run_through(end_.time, end_.state.data())) {
+    if (h < kConstants.brief) {
+      throw Diverged("direct", now_.time, counters_.steps, world_->connectors[*rope].name, 0,
+                     kRunThrough);
+    }
+    made.solved = false;
+  }
   return made;
 }
 

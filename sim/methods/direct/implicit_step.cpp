@@ -99,6 +99,11 @@ void ImplicitStep::rebuild(const World& world) {
     node_[p] = node_[leader];
     carried_[p] = carried_[leader];
   }
+  pulley_.resize(mechanism_.pulleys());
+  for (std::uint32_t& unknown : pulley_) unknown = next++;
+  pulley_law_.assign(pulley_.size(), {});
+  pulley_mass_.assign(pulley_.size(), 1.0);
+  own_acceleration_.assign(points, Vec3::Zero());
   first_link_ = next;
   const auto ease = [&](std::uint32_t p) {
     if (node_[p] != kHeld) return easy[p] != 0 ? easy[p] : easy[mechanism_.leader(p)];
@@ -155,8 +160,10 @@ void ImplicitStep::lay_out(const StepState& from) {
   meetings_.resize(contacts_.size());
   bounce_.assign(contacts_.size(), 0.0);
   snap_.assign(links_.size(), 0.0);
+  by_rate_.resize(links_.size());
   law_.assign(contacts_.size(), kFree);
   off_.resize(contacts_.size());
+  by_speed_.resize(contacts_.size());
   if (shape == shape_of_) return;
   shape_of_ = shape;
   groups_.resize(unknowns_);
@@ -171,6 +178,7 @@ void ImplicitStep::lay_out(const StepState& from) {
   for (std::size_t b = 0; b < body_.size(); ++b, ++group) {
     for (int i = 0; i < 6; ++i) groups_[u++] = group;
   }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) groups_[u++] = group++;
   for (std::size_t k = 0; k < links_.size(); ++k) groups_[u++] = group++;
   for (std::size_t c = 0; c < contacts_.size(); ++c, ++group) {
     for (int i = 0; i < 3; ++i) groups_[u++] = group;
@@ -384,6 +392,10 @@ void ImplicitStep::place_unknowns(const Problem& problem) {
     vec(&state_[mechanism_.twist(b)]) = v;
     vec(&state_[mechanism_.twist(b) + 3]) = spin;
   }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    state_[mechanism_.passed(p)] += problem.advance * unknown_[pulley_[p]];
+    state_[mechanism_.speed(p)] = unknown_[pulley_[p]];
+  }
   mechanism_.place_and_measure(problem.time, state_.data());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     meetings_[c] = touches_.meet(mechanism_, contacts_[c].candidate, state_.data());
@@ -408,6 +420,14 @@ void ImplicitStep::scale(const Problem& problem) {
   }
   for (std::size_t k = 0; k < links_.size(); ++k) {
     column_scale_[first_link_ + k] = links_[k].inertia * problem.inertia;
+  }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    pulley_mass_[p] = mechanism_.passing_mass(p, p, false);
+    for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
+      if (coupling.pulley != p || coupling.share == 0) continue;
+      pulley_mass_[p] = std::max(pulley_mass_[p], links_[coupling.row].inertia);
+    }
+    row_scale_[pulley_[p]] = 1 / (pulley_mass_[p] * problem.inertia);
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Candidate& of = touches_.candidates()[contacts_[c].candidate];
@@ -570,11 +590,13 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
     if (problem.law == Problem::Law::projection) {
       const bool held = on_[k] != 0;
       out = held ? direction.dot(rate_of_way) + violation_[k] : tension / scaled;
-      row(at, gap, held ? direction : Vec3(Vec3::Zero()));
+      by_rate_[k] = held ? 1 : 0;
+      row(at, gap, by_rate_[k] * direction);
       put(at, at, held ? -kProximal : 1.0);
       if (!held) tension = 0;
     } else if (link.soft && !problem.forces) {  // no impulse comes from what stretches
       out = tension / scaled;
+      by_rate_[k] = 0;
       row(at, gap, Vec3::Zero());
       put(at, at, 1.0);
     } else {
@@ -602,6 +624,7 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
       } else {
         out = rate;
       }
+      by_rate_[k] = by_rate;
       row(at, gap, by_rate * slope);
       put(at, at, by_tension);
     }
@@ -692,6 +715,7 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
         turn_normal(problem, c, by_n, force, by_v);
       }
     }
+    by_speed_[c] = by_v;
     for (std::size_t i = 0; i < 3; ++i) {
       residual_[first + i] = out[static_cast<int>(i)];
       row(first + i, gap, by_v.row(static_cast<int>(i)).transpose());
@@ -701,6 +725,185 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
       column(first + i, gap, -Vec3::Unit(static_cast<int>(i)));
     }
     push(gap, force);
+  }
+}
+
+/// The change of a relative place, or of a velocity, by changes of the unknown velocities.
+Vec3 ImplicitStep::moves(const Relative& of, std::span<const double> by) const {
+  Vec3 sum = Vec3::Zero();
+  for (const Handle& at : of.all()) {
+    sum += at.weight * vec(&by[at.at]);
+    if (at.body) sum += at.weight * vec(&by[at.at + 3]).cross(at.arm);
+  }
+  return sum;
+}
+
+/// Whether a candidate is at rope that passes a pulley.
+bool ImplicitStep::flows_at(const Candidate& of, std::size_t pulley) const {
+  if (of.body != kHeld) return false;
+  bool flows = false;
+  for (const std::size_t side : {0u, 1u}) {
+    mechanism_.each_passing(pulley, side, [&](std::uint32_t point, const Vec3&) {
+      flows = flows || point == of.a || (of.is_at_rope() && point == of.c);
+    });
+  }
+  return flows;
+}
+
+ImplicitStep::FlowBy ImplicitStep::flow_by(std::size_t pulley, std::size_t c) const {
+  const Candidate& of = touches_.candidates()[contacts_[c].candidate];
+  const Meeting& at = meetings_[c];
+  FlowBy made;
+  const auto add = [&](std::uint32_t point, double weight) {
+    if (weight == 0) return;
+    for (const std::size_t side : {0u, 1u}) {
+      const Vec3 flow = weight * mechanism_.flow_by(pulley, side, point, state_.data());
+      made.all += flow;
+      if (side == 0) made.before += flow;
+    }
+  };
+  add(of.a, of.is_bead() ? 1 : 1 - at.share);
+  if (!of.is_bead()) add(of.b, at.share);
+  if (of.is_at_rope()) {
+    add(of.c, of.c == of.d ? -1 : at.other_share - 1);
+    if (of.c != of.d) add(of.d, -at.other_share);
+  }
+  made.all -= at.normal.dot(made.all) * at.normal;
+  made.before -= at.normal.dot(made.before) * at.normal;
+  return made;
+}
+
+/// What a pulley's inertia takes beyond what drives it (N), and the pull before it, as
+/// Mechanism::Pull has it, with half of the force that turns the sheave.
+void ImplicitStep::find_balance(const Problem& problem, std::size_t p, double& balance,
+                                double& before) {
+  balance = before = 0;
+  for (std::size_t other = 0; other < pulley_.size(); ++other) {
+    const double hastens = change_[pulley_[other]];
+    balance += mechanism_.passing_mass(p, other, false) * hastens;
+    before += mechanism_.passing_mass(p, other, true) * hastens;
+  }
+  for (const std::size_t side : {0u, 1u}) {
+    mechanism_.each_passing(p, side, [&](std::uint32_t point, const Vec3& force) {
+      Relative at;
+      add_handles(point, 1, at);
+      const double takes = -force.dot(moves(at, change_));
+      balance += takes;
+      if (side == 0) before += takes;
+    });
+  }
+  for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
+    if (coupling.pulley != p || coupling.share == 0) continue;
+    const double pull = coupling.share * unknown_[first_link_ + coupling.row];
+    balance -= pull;
+    if (coupling.share < 0) before -= pull;
+  }
+  if (problem.forces) {
+    balance -= mechanism_.passing_drive(p, state_.data(), own_acceleration_);
+    before += mechanism_.drive_before(p, state_.data(), own_acceleration_);
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (!flows_at(touches_.candidates()[contacts_[c].candidate], p)) continue;
+    const FlowBy flow = flow_by(p, c);
+    const Eigen::Map<const Vec3> force(&unknown_[first_contact_ + 3 * c]);
+    balance -= force.dot(flow.all);
+    before -= force.dot(flow.before);
+  }
+}
+
+/// The law of friction at a pulley. The force that friction has taken is -balance; it is between
+/// the bounds at which rope slides, and rope slides at none but these.
+ImplicitStep::PulleyLaw ImplicitStep::find_law(const Problem& problem, std::size_t p,
+                                               double balance, double before, double& value) const {
+  using Slip = Mechanism::Slip;
+  value = balance;
+  if (!mechanism_.has_friction(p)) return {};
+  const double speed = unknown_[pulley_[p]], excess = mechanism_.slide_ratio(p) - 1;
+  const double stiff = problem.inertia * pulley_mass_[p];
+  if (problem.law == Problem::Law::projection) {  // rope that stays passes nothing
+    if (pulley_law_[p].slip != Slip::stick) return {pulley_law_[p].slip, 1, 0};
+    value = stiff * speed;
+    return {Slip::stick, 0, 0};
+  }
+  const double behind = before - balance;
+  const double forwards = excess * std::max(before, 0.0), back = excess * std::max(behind, 0.0);
+  const double asked = stiff * speed - balance;
+  if (before <= 0 && behind <= 0) return {};
+  if (asked > forwards) {
+    value = balance + forwards;
+    return {Slip::forwards, 1, before > 0 ? excess : 0};
+  }
+  if (asked < -back) {
+    value = balance - back;
+    return {Slip::backwards, behind > 0 ? 1 + excess : 1, behind > 0 ? -excess : 0};
+  }
+  value = stiff * speed;
+  return {Slip::stick, 0, 0};
+}
+
+/// The rows of pulleys, and what their rope's passing does to lengths, points and contacts. After
+/// the rest.
+void ImplicitStep::assemble_pulleys(const Problem& problem) {
+  if (pulley_.empty()) return;
+  mechanism_.find_passing(state_.data());
+  const bool projects = problem.law == Problem::Law::projection;
+  change_.resize(first_link_);
+  for (std::size_t u = 0; u < first_link_; ++u) {
+    change_[u] = problem.inertia * (unknown_[u] - wanted_[u]);
+  }
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    Vec3& own = own_acceleration_[p];
+    own.setZero();
+    if (carried_[p] != kHeld) {
+      const auto& at = mechanism_.body_points()[carried_[p]];
+      const Vec3 spin = vec(&state_[mechanism_.twist(at.body) + 3]);
+      own = spin.cross(spin.cross(at.arm));
+    } else if (node_[p] == kHeld) {
+      own = mechanism_.point_acceleration()[p];
+    }
+  }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    const std::size_t at = pulley_[p];
+    double balance = 0, before = 0;
+    find_balance(problem, p, balance, before);
+    const PulleyLaw law = find_law(problem, p, balance, before, residual_[at]);
+    pulley_law_[p] = law;
+    const bool stays = law.slip == Mechanism::Slip::stick;
+    for (std::size_t other = 0; other < pulley_.size(); ++other) {
+      const double mass = law.all * mechanism_.passing_mass(p, other, false) +
+                          law.before * mechanism_.passing_mass(p, other, true);
+      const double own = stays && p == other ? pulley_mass_[p] : 0;
+      entry(at, pulley_[other], problem.inertia * (mass + own));
+    }
+    for (const std::size_t side : {0u, 1u}) {
+      const double part = law.all + (side == 0 ? law.before : 0);
+      mechanism_.each_passing(p, side, [&](std::uint32_t point, const Vec3& force) {
+        Relative moved;
+        add_handles(point, 1, moved);
+        push(moved, change_[at] * force);
+        row(at, moved, -part * problem.inertia * force);
+        column(at, moved, -problem.inertia * force);
+      });
+    }
+    for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
+      if (coupling.pulley != p || coupling.share == 0) continue;
+      const std::size_t link = first_link_ + coupling.row;
+      const double shortens = -coupling.share * by_rate_[coupling.row];
+      if (projects) residual_[link] += shortens * unknown_[at];
+      entry(link, at, shortens);
+      entry(at, link, -coupling.share * (law.all + (coupling.share < 0 ? law.before : 0)));
+    }
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      if (!flows_at(touches_.candidates()[contacts_[c].candidate], p)) continue;
+      const FlowBy flow = flow_by(p, c);
+      const Vec3 slides = by_speed_[c] * flow.all;
+      const Vec3 drives = law.all * flow.all + law.before * flow.before;
+      const std::size_t first = first_contact_ + 3 * c;
+      for (std::size_t i = 0; i < 3; ++i) {
+        entry(first + i, at, projects ? 0 : slides[static_cast<int>(i)]);
+        entry(at, first + i, -drives[static_cast<int>(i)]);
+      }
+    }
   }
 }
 
@@ -719,6 +922,7 @@ void ImplicitStep::assemble(const Problem& problem, double kappa) {
   }
   assemble_links(problem, kappa);
   assemble_contacts(problem, kappa);
+  assemble_pulleys(problem);
 }
 
 /// The solution of the system with the moments of twisted rods (Sherman and Morrison).
@@ -1045,6 +1249,9 @@ bool ImplicitStep::project_places(StepState& to) {
       vec(&to.state[mechanism_.pose(b)]) += vec(&unknown_[body_[b]]);
       rotate(vec(&unknown_[body_[b] + 3]), &to.state[mechanism_.pose(b) + 3]);
     }
+    for (std::size_t p = 0; p < pulley_.size(); ++p) {
+      to.state[mechanism_.passed(p)] += unknown_[pulley_[p]];
+    }
     placed = worst < 1e-7 * shortest_ && worst * worst / shortest_ < exact_ && i > 0;
   }
   return placed;
@@ -1095,6 +1302,9 @@ bool ImplicitStep::project_velocities(StepState& to) {
     vec(&to.state[mechanism_.twist(b)]) += vec(&unknown_[body_[b]]);
     vec(&to.state[mechanism_.twist(b) + 3]) += vec(&unknown_[body_[b] + 3]);
   }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    to.state[mechanism_.speed(p)] += unknown_[pulley_[p]];
+  }
   mechanism_.place_and_measure(to.time, to.state.data());
   return true;
 }
@@ -1123,6 +1333,19 @@ double ImplicitStep::energy_of(const std::vector<double>& one,
     const Vec3 spin = back * vec(&one[body_[b] + 3]), others = back * vec(&other[body_[b] + 3]);
     twice += vec(&one[body_[b]]).dot(vec(&other[body_[b]])) / body.inverse_mass +
              spin.dot(body.inertia * others);
+  }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    const double by = one[pulley_[p]], others = other[pulley_[p]];
+    for (std::size_t q = 0; q < pulley_.size(); ++q) {
+      twice += by * mechanism_.passing_mass(p, q, false) * other[pulley_[q]];
+    }
+    for (const std::size_t side : {0u, 1u}) {
+      mechanism_.each_passing(p, side, [&](std::uint32_t point, const Vec3& force) {
+        Relative at;
+        add_handles(point, 1, at);
+        twice -= force.dot(by * moves(at, other) + others * moves(at, one));
+      });
+    }
   }
   return twice / 2;
 }
@@ -1164,6 +1387,60 @@ bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
   return true;
 }
 
+/// The part of pulleys in the right side of distance(): what their speeds do to points, and their
+/// own rows, in units of change per second.
+void ImplicitStep::add_passing_difference(const StepState& one, const StepState& other) {
+  if (pulley_.empty()) return;
+  const double inertia = stage_inertia_;
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    const std::size_t passed = mechanism_.passed(p), speed = mechanism_.speed(p);
+    moved_[pulley_[p]] = one.state[passed] - other.state[passed];
+    change_[pulley_[p]] = one.state[speed] - other.state[speed] + inertia * moved_[pulley_[p]];
+  }
+  for (std::size_t u = 0; u < pulley_.front(); ++u) change_[u] = inertia * moved_[u];
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    const std::size_t at = mechanism_.velocity(p);
+    vec(&change_[node_[p]]) += vec(&one.state[at]) - vec(&other.state[at]);
+  }
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      const std::size_t at = mechanism_.twist(b) + i;
+      change_[body_[b] + i] += one.state[at] - other.state[at];
+    }
+  }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    const std::size_t at = pulley_[p];
+    const PulleyLaw& law = pulley_law_[p];
+    double sum = 0;
+    for (std::size_t q = 0; q < pulley_.size(); ++q) {
+      sum += change_[pulley_[q]] * (law.all * mechanism_.passing_mass(p, q, false) +
+                                    law.before * mechanism_.passing_mass(p, q, true));
+    }
+    for (const std::size_t side : {0u, 1u}) {
+      const double part = law.all + (side == 0 ? law.before : 0);
+      mechanism_.each_passing(p, side, [&](std::uint32_t point, const Vec3& force) {
+        Relative held;
+        add_handles(point, 1, held);
+        sum -= part * force.dot(moves(held, change_));
+        for (const Handle& handle : held.all()) {
+          const Vec3 by = -handle.weight * inertia * change_[at] * force;
+          for (std::size_t i = 0; i < 3; ++i) {
+            residual_[handle.at + i] += row_scale_[handle.at + i] * by[static_cast<int>(i)];
+          }
+          if (!handle.body) continue;
+          const Vec3 turned = handle.arm.cross(by);
+          for (std::size_t i = 3; i < 6; ++i) {
+            residual_[handle.at + i] += row_scale_[handle.at + i] * turned[static_cast<int>(i) - 3];
+          }
+        }
+      });
+    }
+    const bool stays = law.slip == Mechanism::Slip::stick;
+    residual_[at] = stays ? inertia * moved_[at] : inertia * row_scale_[at] * sum;
+  }
+}
+
 double ImplicitStep::distance(const StepState& one, const StepState& other, double time) {
   moved_.assign(unknowns_, 0.0);
   residual_.assign(unknowns_, 0.0);
@@ -1192,25 +1469,24 @@ double ImplicitStep::distance(const StepState& one, const StepState& other, doub
                               (part(twist + 3) + inertia * vec(&moved_[at + 3])) /
                               std::max(body.inertia.diagonal().maxCoeff(), 1e-300);
   }
+  add_passing_difference(one, other);
   // What is held moves as the difference does.
-  const auto moves = [&](const Relative& of) {
-    Vec3 sum = Vec3::Zero();
-    for (const Handle& at : of.all()) {
-      sum += at.weight * vec(&moved_[at.at]);
-      if (at.body) sum += at.weight * vec(&moved_[at.at + 3]).cross(at.arm);
-    }
-    return sum;
-  };
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const Link& link = links_[k];
     if (link.soft || on_[k] == 0) continue;
-    residual_[first_link_ + k] = inertia * direction(link).dot(moves(relative(link.a, link.b)));
+    residual_[first_link_ + k] =
+        inertia * direction(link).dot(moves(relative(link.a, link.b), moved_));
+  }
+  for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
+    if (on_[coupling.row] == 0) continue;
+    residual_[first_link_ + coupling.row] -=
+        inertia * coupling.share * moved_[pulley_[coupling.pulley]];
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Candidate& of = touches_.candidates()[contacts_[c].candidate];
     const Vec3& n = meetings_[c].normal;
     if (!other.contacts[c].presses) continue;
-    const Vec3 moved = inertia * moves(relative(of, meetings_[c]));
+    const Vec3 moved = inertia * moves(relative(of, meetings_[c]), moved_);
     vec(&residual_[first_contact_ + 3 * c]) =
         other.contacts[c].grips ? moved : Vec3(n.dot(moved) * n);
   }
@@ -1236,6 +1512,10 @@ double ImplicitStep::distance(const StepState& one, const StepState& other, doub
     add(body_[b] + 3, std::sqrt(body.inertia.norm() * body.inverse_mass));
     ++count;
   }
+  for (const std::uint32_t u : pulley_) {
+    sum += moved_[u] * moved_[u] + time * time * sped_[u] * sped_[u];
+    ++count;
+  }
   return std::sqrt(sum / std::max(count, 1.0));
 }
 
@@ -1252,6 +1532,10 @@ void ImplicitStep::extrapolate(double share, StepState& one) const {
     vec(&one.state[mechanism_.twist(b)]) += share * vec(&sped_[at]);
     vec(&one.state[mechanism_.twist(b) + 3]) += share * vec(&sped_[at + 3]);
   }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    one.state[mechanism_.passed(p)] += share * moved_[pulley_[p]];
+    one.state[mechanism_.speed(p)] += share * sped_[pulley_[p]];
+  }
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const std::size_t at = first_link_ + k;
     if (links_[k].soft) one.tension[k] += share * column_scale_stage_[at] * residual_[at];
@@ -1265,6 +1549,9 @@ void ImplicitStep::gather(std::span<const double> state, std::vector<double>& un
   }
   for (std::size_t b = 0; b < body_.size(); ++b) {
     std::copy_n(&state[mechanism_.twist(b)], 6, &unknowns[body_[b]]);
+  }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    unknowns[pulley_[p]] = state[mechanism_.speed(p)];
   }
 }
 
@@ -1291,6 +1578,7 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
   to.rate.clear();
   to.tension.assign(links_.size(), 0.0);
   to.taut.assign(links_.size(), 1);
+  to.slips.assign(pulley_.size(), Mechanism::Slip::free);
   shortest_ = std::numeric_limits<double>::infinity();
   length_ = 0;
   for (const Connector& connector : world.connectors) {
@@ -1435,6 +1723,11 @@ void ImplicitStep::place_between(const StepState& from, const StepState& to, dou
     const Vec3 turn = angle(quaternion(&to.state[pose + 3]) * start.conjugate());
     set_quaternion((rotation_by(s * turn) * start).normalized(), &state_[pose + 3]);
     vec(&state_[twist + 3]) = turn / h;
+  }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    const std::size_t passed = mechanism_.passed(p), speed = mechanism_.speed(p);
+    state_[passed] = left * from.state[passed] + s * to.state[passed];
+    state_[speed] = (to.state[passed] - from.state[passed]) / h;
   }
   const double time = from.time + s * h;
   mechanism_.place_and_measure(time, state_.data());
@@ -1682,6 +1975,9 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
     vec(&base_[mechanism_.pose(b)]) += outer * vec(&unknown_[body_[b]]);
     turn_[b] = outer * vec(&unknown_[body_[b] + 3]);
   }
+  for (std::size_t p = 0; p < pulley_.size(); ++p) {
+    base_[mechanism_.passed(p)] += outer * unknown_[pulley_[p]];
+  }
   problem.time = from.time + h;
   touches_.place(*world_, problem.time);
   guess(outer, to.rate);
@@ -1710,6 +2006,8 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
     contact.grips = contact.sticks && pull < (1 - kSure) * of.stick * push;
   }
   to.contacts = contacts_;
+  to.slips.clear();
+  for (const PulleyLaw& law : pulley_law_) to.slips.push_back(law.slip);
   if (!stops) return Result::done;
   arrival_ = first_arrival(from, to, h, touching);
   return std::isfinite(arrival_) ? Result::arrives : Result::done;
@@ -1726,12 +2024,14 @@ std::uint64_t StepState::pattern() const {
   for (std::size_t k = 0; k < taut.size(); ++k) {
     if (taut[k] == 0) take(k);
   }
+  for (const Mechanism::Slip slip : slips) take(static_cast<std::uint64_t>(slip));
   return hash;
 }
 
 bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
   jumped_ = false;
   contacts_ = to.contacts;
+  for (std::size_t p = 0; p < pulley_.size(); ++p) pulley_law_[p].slip = to.slips[p];
   lay_out(to);
   touches_.place(*world_, to.time);
   hold_contacts();

@@ -30,8 +30,9 @@ struct StepState {
     bool is_anchored = false;    // a bead that has gripped since it was at `anchor`
     Vec3 anchor = Vec3::Zero();  // m, as Meeting::local
   };
-  std::vector<Contact> contacts;  // by candidates
-  std::vector<char> taut;         // per link: of a string, at its length
+  std::vector<Contact> contacts;       // by candidates
+  std::vector<char> taut;              // per link: of a string, at its length
+  std::vector<Mechanism::Slip> slips;  // per pulley, in the last stage
   /// Of what presses, pulls and slides, as a number.
   std::uint64_t pattern() const;
 };
@@ -158,6 +159,23 @@ class ImplicitStep {
   void assemble_twists(const Problem& problem);
   void assemble_links(const Problem& problem, double kappa);
   void assemble_contacts(const Problem& problem, double kappa);
+  /// The equations of two shares of a pulley's row: all that drives it, and the pull before it.
+  struct PulleyLaw {
+    Mechanism::Slip slip = Mechanism::Slip::free;
+    double all = 1, before = 0;
+  };
+  /// How the velocity of rope at a contact grows with the speed of a pulley, across the normal.
+  struct FlowBy {
+    Vec3 all = Vec3::Zero(), before = Vec3::Zero();
+  };
+  bool flows_at(const Candidate& of, std::size_t pulley) const;
+  FlowBy flow_by(std::size_t pulley, std::size_t contact) const;
+  void assemble_pulleys(const Problem& problem);
+  void find_balance(const Problem& problem, std::size_t pulley, double& balance, double& before);
+  PulleyLaw find_law(const Problem& problem, std::size_t pulley, double balance, double before,
+                     double& value) const;
+  Vec3 moves(const Relative& of, std::span<const double> by) const;
+  void add_passing_difference(const StepState& one, const StepState& other);
   void solve_with_twists();
   bool iterate(const Problem& problem, double kappa, int most, double enough);
   void guess(double time, const std::vector<double>& rate);
@@ -209,6 +227,13 @@ class ImplicitStep {
   std::vector<std::uint32_t> node_;     // per point: its first unknown, or kNone
   std::vector<std::uint32_t> carried_;  // per point: of body_points(), or kNone
   std::vector<std::uint32_t> body_;     // per free body: its first unknown
+  std::vector<std::uint32_t> pulley_;   // per pulley: its unknown, the speed
+  std::vector<PulleyLaw> pulley_law_;   // of the last assembly
+  std::vector<double> pulley_mass_;     // kg, of that assembly: what a pulley's row is scaled by
+  std::vector<Vec3> own_acceleration_;  // per point, m/s^2: without changes of velocities
+  std::vector<double> change_;          // of the unknown velocities, per second
+  std::vector<Mat3> by_speed_;          // per contact: of its law, by its velocity
+  std::vector<double> by_rate_;         // per link: of its law, by the rate of its length
   std::size_t first_link_ = 0, first_contact_ = 0, unknowns_ = 0;
   std::vector<Contact> contacts_;         // of the present problem
   std::vector<std::uint32_t> reversing_;  // candidates that slide forwards to their stop

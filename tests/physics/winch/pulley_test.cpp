@@ -282,5 +282,90 @@ TEST(Pulley, TackleMovesByVirtualWork) {
   }
 }
 
+/// With a floor that nothing reaches: the implicit step follows it.
+World over_a_floor(World world) {
+  Obstacle& floor = world.obstacles.emplace_back();
+  floor.name = "floor";
+  floor.place.position.y() = -10;
+  for (Connector& rope : world.connectors) rope.radius = 0.01;
+  refresh(world);
+  return world;
+}
+
+TEST(Pulley, RopePassesBesideObstaclesAsWithoutThem) {
+  World slides = swinging(6);
+  slides.pulleys[0].friction = 0.05;
+  World stays = swinging(1, 0);
+  stays.pulleys[0].bearing = 0.9;
+  const World worlds[] = {swinging(1, 0), swinging(6), carried(), in_space(),
+                          stairs(),       slides,      stays};
+  for (std::size_t i = 0; i < std::size(worlds); ++i) {
+    SCOPED_TRACE(i);
+    const World& world = worlds[i];
+    const World known = after(world, 0.6, 1e-9);
+    for (const double tolerance : {1e-3, 1e-5}) {
+      const World end = after(over_a_floor(world), 0.6, tolerance);
+      EXPECT_LT(apart(end, known), tolerance);
+      EXPECT_NEAR(end.pulleys[0].passed, known.pulleys[0].passed, 2 * tolerance);
+    }
+  }
+}
+
+// A rope on a table is drawn over its edge by a weight: M q'' = (m + density x) g - friction
+// density y g, of x that hang and y that lie. The half of a link at the eye is not on the table.
+TEST(Pulley, RopeSlidesOffATable) {
+  constexpr double kFriction = 0.3, kDensity = 0.5, kLies = 1.0, kHangs = 0.4, kWeight = 0.3;
+  for (const std::size_t links : {2u, 6u}) {
+    World world;
+    const double radius = 0.01;
+    const Vec3 edge(0, radius, 0);
+    Connector lies = straight_connector("lies", kLies, kDensity * kLies, links + 1,
+                                        Vec3(-kLies, radius, 0), Vec3::UnitX());
+    Connector hangs =
+        straight_connector("hangs", kHangs, kDensity * kHangs, links + 1, edge, -Vec3::UnitY());
+    lies.holds = {{links, worlds::fixed_at(edge)}};
+    hangs.holds = {{0, worlds::fixed_at(edge)}};
+    hangs.particle_mass.back() += kWeight;
+    lies.radius = hangs.radius = radius;
+    world.connectors = {lies, hangs};
+    add_pulley(world, "edge", 0, 1, 0);
+    Obstacle& table = world.obstacles.emplace_back();
+    table.name = "table";
+    table.shape = box_shape(Vec3(2, 1, 1));
+    table.place.position = Vec3(-1.02, -0.5, 0);
+    table.static_friction = table.kinetic_friction = kFriction;
+    finish(world);
+    const double mass = kWeight + kDensity * (kLies + kHangs);
+    const double drag = kFriction * (1 - 0.5 / static_cast<double>(links));
+    const double square = kDensity * kGravity * (1 + drag) / mass;
+    const double first = kGravity * (kWeight + kDensity * (kHangs - drag * kLies)) / mass;
+    const World end = after(world, 0.5, 1e-6);
+    const double known = first / square * (std::cosh(std::sqrt(square) * 0.5) - 1);
+    EXPECT_NEAR(end.pulleys[0].passed, known, 1e-6);
+    EXPECT_NEAR(end.connectors[0].position[0].x(), -kLies + known, 1e-6);
+    EXPECT_GT(known, 0.3);
+  }
+}
+
+// The heavier of two loads on strings lands without a bounce. Its string goes slack, and the sheave
+// turns on and draws the lighter load up.
+TEST(Pulley, ALoadThatLandsLetsTheOtherRise) {
+  World world = atwood({.left_mass = 1, .right_mass = 2, .inertia = 0.5});
+  for (Connector& rope : world.connectors) {
+    rope.pulls = true;
+    rope.radius = 0.01;
+  }
+  Obstacle& floor = world.obstacles.emplace_back();
+  floor.name = "floor";
+  floor.place.position.y() = -1.2 - 0.2 - 0.01;
+  finish(world);
+  const double acceleration = kGravity / 3.5, lands = std::sqrt(0.4 / acceleration);
+  const double speed = acceleration * lands, slows = kGravity / 1.5;
+  const World end = after(world, lands + 0.1, 1e-6);
+  EXPECT_NEAR(end.connectors[1].position[1].y(), -1.4, 1e-6);
+  EXPECT_NEAR(end.connectors[0].velocity[0].y(), speed - slows * 0.1, 1e-5);
+  EXPECT_NEAR(end.connectors[0].position[0].y(), -0.6 + speed * 0.1 - slows * 0.005, 1e-5);
+}
+
 }  // namespace
 }  // namespace taut::pulley_test
