@@ -102,8 +102,8 @@ inline constexpr Features kContactFeatures{
 inline constexpr Features kJointFeatures{Feature::joint, Feature::loop};
 inline constexpr Features kPulleyFeatures{Feature::pulley, Feature::sheave,
                                           Feature::pulley_friction};
-/// What has no meaning yet where rope flows through a winch or over a pulley.
-inline constexpr Features kUnlikeReels{Feature::stretch, Feature::twist, Feature::bending_damping,
+/// What belongs to places along a rope, and would flow with it through a winch or over a pulley.
+inline constexpr Features kUnlikeReels{Feature::twist, Feature::bending_damping,
                                        Feature::rest_curvature, Feature::taper};
 inline constexpr Features kReelFeatures = Feature::winch | kPulleyFeatures;
 inline constexpr Features kPlainFeatures{Feature::hinge, Feature::free_body, Feature::pin,

@@ -204,7 +204,14 @@ void Mechanism::add_winches(const World& world) {
         return small(static_cast<std::size_t>(found - all.begin()));
       };
       Winched added{.winch = connector.winch, .connector = small(c), .first_point = small(first)};
-      added.first_row = index(rows_, std::ranges::find(rows_, small(c), &Row::connector));
+      if (connector.stretches()) {
+        const auto& links = material_.stretches();
+        added.first_stretch =
+            index(links, std::ranges::find(links, small(c), &material::StretchElement::connector));
+        added.strain.assign(connector.links(), 1.0);
+      } else {
+        added.first_row = index(rows_, std::ranges::find(rows_, small(c), &Row::connector));
+      }
       const auto& drags = material_.drags();
       const auto drag = std::ranges::find(drags, small(first), &material::DragElement::a);
       if (drag != drags.end()) added.first_drag = index(drags, drag);
@@ -529,8 +536,12 @@ void Mechanism::place_winches(double time, const double* state) {
     at.longer = at.first + at.last;
     const double longer = at.longer.length;
     for (std::size_t k = 0; k < winch.rest.size(); ++k) {
-      double& rest = rows_[at.first_row + k].rest;
-      rest = winch.rest[k] + winch.share(k) * longer;
+      const double rest = winch.rest[k] + winch.share(k) * longer;
+      if (at.first_stretch) {
+        material_.pay_out(*at.first_stretch + k, rest, winch.share(k) * at.longer.rate);
+      } else {
+        rows_[at.first_row + k].rest = rest;
+      }
       if (material_.any()) material_.set_rest(at.first_point + small(k), rest);
       if (!at.first_drag) continue;
       const double speed =
@@ -559,6 +570,12 @@ void Mechanism::add_flow(const double* state, std::vector<Vec3>& force) const {
           (before.speed + behind.speed) * (vector(velocities + 3 * b) - vector(velocities + 3 * a));
       force[a] -= winch.density / 2 * (turned + before.rate * gap);
       force[b] -= winch.density / 2 * (turned + behind.rate * gap);
+      if (!at.first_stretch) continue;
+      // The tension of a rigid link contains this force.
+      const double squares = before.speed * before.speed + behind.speed * behind.speed;
+      const Vec3 along = winch.density / 2 * squares / rest_of(at, k) * gap;
+      force[a] -= along;
+      force[b] += along;
     }
   }
 }
@@ -596,7 +613,7 @@ Vec3 Mechanism::flow_by(std::size_t pulley, std::size_t side, std::size_t point,
 /// Beside measure(): rest lengths change.
 void Mechanism::measure_winches() {
   for (const Winched& at : winches_) {
-    for (std::size_t k = 0; k < at.winch->rest.size(); ++k) {
+    for (std::size_t k = 0; !at.first_stretch && k < at.winch->rest.size(); ++k) {
       rate_[at.first_row + k] -= at.winch->share(k) * at.longer.rate;
       velocity_term_[at.first_row + k] -= at.winch->share(k) * at.longer.acceleration;
     }
@@ -613,7 +630,7 @@ double Mechanism::bending_force(const Winched& at, const double* state) const {
     const std::size_t particle = bend.b - at.first_point;
     double length = 0, share = 0;  // of half of either link
     const auto add = [&](std::size_t link) {
-      length += rows_[at.first_row + link].rest / 2;
+      length += rest_of(at, link) / 2;
       share += at.winch->share(link) / 2;
     };
     if (!bend.clamped_before()) add(particle - 1);
@@ -638,8 +655,14 @@ double Mechanism::paying_force(const Winched& at, std::size_t end, const double*
   const Vec3 weight = gravity_ - frame.acceleration;
   double rate = 0, slope = 0, air = 0;  // of dL/dq' by time, dL/dq
   for (std::size_t k = 0; k < winch.rest.size(); ++k) {
-    const double length = rows_[at.first_row + k].rest, share = winch.share(k);
+    const double length = rest_of(at, k), share = winch.share(k);
     const Vec3 gap = place(k + 1) - place(k), gap_rate = velocity_at(k + 1) - velocity_at(k);
+    // Of a rope that stretches: (|gap| / length)^2, and the rate of |gap|^2 / length.
+    double square = 1, lengthens = share * at.longer.rate;
+    if (at.first_stretch) {
+      square = gap.squaredNorm() / (length * length);
+      lengthens = 2 * gap.dot(gap_rate) / length - square * lengthens;
+    }
     Vec3 drag = Vec3::Zero();
     if (at.first_drag) {
       const material::DragElement& link = material_.drags()[*at.first_drag + k];
@@ -649,14 +672,28 @@ double Mechanism::paying_force(const Winched& at, std::size_t end, const double*
       const double part = flow_share(winch, end, i);
       const Winch::Flow flow = winch.flow(i, at.first, at.last);
       air += part * drag.dot(gap) / length;
-      rate += part * ((acceleration[point(i)] - frame.acceleration).dot(gap) +
-                      velocity_at(i).dot(gap_rate) + share * at.longer.rate * flow.speed +
-                      length * flow.rate);
-      slope += share * ((velocity_at(i).squaredNorm() + flow.speed * flow.speed) / 2 +
-                        weight.dot(place(i)));
+      rate += part *
+              ((acceleration[point(i)] - frame.acceleration).dot(gap) +
+               velocity_at(i).dot(gap_rate) + lengthens * flow.speed + square * length * flow.rate);
+      const double flows = flow.speed * flow.speed;
+      slope +=
+          share * ((velocity_at(i).squaredNorm() + (at.first_stretch ? -square : 1) * flows) / 2 +
+                   weight.dot(place(i)));
     }
   }
   return winch.density / 2 * (slope - rate) + air + bent;
+}
+
+/// What an elastic link pulls with at a drum (N), by a unit of what is paid out: its tension, and
+/// the energy that a unit of length carries away.
+double Mechanism::paid_pull(std::size_t stretch, const double* state) const {
+  const material::StretchElement& link = material_.stretches()[stretch];
+  const Vec3 gap = vector(state + position(link.b)) - vector(state + position(link.a));
+  const Vec3 gap_rate = vector(state + velocity(link.b)) - vector(state + velocity(link.a));
+  const double length = gap.norm(), elastic = link.stiffness * (length - link.rest);
+  const double rate = gap.dot(gap_rate) / length - length / link.rest * link.rest_rate;
+  return elastic * (1 + elastic / (2 * link.stiffness * link.rest)) +
+         length / link.rest * link.damping * rate;
 }
 
 double Mechanism::drum_force(std::size_t connector, std::size_t end, const double* state,
@@ -670,18 +707,26 @@ double Mechanism::drum_force(std::size_t connector, std::size_t end, const doubl
   const std::size_t eye = at.first_point + (end == 0 ? 0 : at.winch->rest.size());
   double pull = 0;
   for (std::size_t k = 0; k < at.winch->rest.size(); ++k) {
-    pull += at.winch->share(k) * tension[at.first_row + k];
+    pull += at.winch->share(k) * (at.first_stretch ? paid_pull(*at.first_stretch + k, state)
+                                                   : tension[at.first_row + k]);
   }
   const double own = (end == 0 ? at.first : at.last).rate;
-  return pull + at.winch->density / 2 * own * own +
-         paying_force(
-             at, end, state, acceleration,
-             {vector(state + position(eye)), vector(state + velocity(eye)), acceleration[eye]});
+  const double force = pull + at.winch->density / 2 * own * own +
+                       paying_force(at, end, state, acceleration,
+                                    {vector(state + position(eye)), vector(state + velocity(eye)),
+                                     acceleration[eye]});
+  if (!at.first_stretch) return force;
+  // Of a unit of length a rope that stretches carries its energy away: force = T + T^2 / (2 EA).
+  const std::size_t link = *at.first_stretch + (end == 0 ? 0 : at.winch->rest.size() - 1);
+  const material::StretchElement& last = material_.stretches()[link];
+  const double stiffness = last.stiffness * last.rest;
+  return stiffness * (std::sqrt(std::max(1 + 2 * force / stiffness, 0.0)) - 1);
 }
 
 void Mechanism::add_pulleys(const World& world) {
   pulleys_.clear();
   couplings_.clear();
+  soft_couplings_.clear();
   unit_.assign(world.pulleys.empty() ? 0 : points(), Vec3::Zero());
   for (const Pulley& pulley : world.pulleys) {
     Passing added{.inertia = pulley.inertia,
@@ -700,8 +745,12 @@ void Mechanism::add_pulleys(const World& world) {
       added.has_mass = found->winch->density > 0;
       end.force.assign(links + 1, Vec3::Zero());
       for (std::size_t k = 0; k < links; ++k) {
-        const double share = found->winch->share(k);
-        couplings_.push_back({found->first_row + small(k), number, side == 0 ? -share : share});
+        const double share = side == 0 ? -found->winch->share(k) : found->winch->share(k);
+        if (found->first_stretch) {
+          soft_couplings_.push_back({*found->first_stretch + small(k), number, share});
+        } else {
+          couplings_.push_back({found->first_row + small(k), number, share});
+        }
       }
       for (std::size_t b = 0; b < body_points_.size(); ++b) {
         if (body_points_[b].point - found->first_point > links) continue;
@@ -717,7 +766,8 @@ void Mechanism::add_pulleys(const World& world) {
       const std::uint32_t row = end.row, connector = rows_[row].connector;
       if (connector == pulley.from || connector == pulley.to) continue;
       if (std::ranges::binary_search(bodies, body_points_[end.body_point].body)) {
-        if (couplings_.back().row != row) couplings_.push_back({row, number, 0});
+        if (couplings_.empty() || couplings_.back().row != row)
+          couplings_.push_back({row, number, 0});
       }
     }
     pulleys_.push_back(std::move(added));
@@ -859,7 +909,8 @@ double Mechanism::passing_inertia(const Passing& pulley, std::size_t side,
 double Mechanism::flow_inertia(const Winched& at, std::size_t end, std::size_t other) const {
   double sum = 0;
   for (std::size_t k = 0; k < at.winch->rest.size(); ++k) {
-    const double half = at.winch->density / 2 * rows_[at.first_row + k].rest;
+    double half = at.winch->density / 2 * rest_of(at, k);
+    if (at.first_stretch) half *= at.strain[k];
     for (const std::size_t i : {k, k + 1}) {
       sum += half * flow_share(*at.winch, end, i) * flow_share(*at.winch, other, i);
     }
@@ -868,6 +919,12 @@ double Mechanism::flow_inertia(const Winched& at, std::size_t end, std::size_t o
 }
 
 void Mechanism::find_passing(const double* state) {
+  for (Winched& at : winches_) {
+    for (std::size_t k = 0; k < at.strain.size(); ++k) {
+      const double* from = state + position(at.first_point + k);
+      at.strain[k] = (vector(from + 3) - vector(from)).squaredNorm() / std::pow(rest_of(at, k), 2);
+    }
+  }
   for (Passing& pulley : pulleys_) find_flow(pulley, state);
 }
 
@@ -904,11 +961,14 @@ double Mechanism::drive_before(std::size_t pulley, const double* state,
          turning / 2;
 }
 
-double Mechanism::slide_ratio(std::size_t pulley) const {
+double Mechanism::slide_ratio(std::size_t pulley, const double* state) const {
   const Passing& at = pulleys_[pulley];
   const Winched &from = winches_[at.end[0].winched], &to = winches_[at.end[1].winched];
-  const Vec3 &arrives = direction_[from.first_row + from.winch->rest.size() - 1],
-             &leaves = direction_[to.first_row];
+  const std::size_t last = from.first_point + from.winch->rest.size();
+  const auto way = [&](std::size_t point) -> Vec3 {
+    return (vector(state + position(point + 1)) - vector(state + position(point))).normalized();
+  };
+  const Vec3 arrives = way(last - 1), leaves = way(to.first_point);
   const double turn = std::atan2(arrives.cross(leaves).norm(), arrives.dot(leaves));
   const double drag = at.bearing * std::sin(turn / 2);
   return std::exp(at.friction * turn) * (1 + drag) / (1 - drag);
@@ -921,7 +981,7 @@ std::optional<std::size_t> Mechanism::run_through(double time, double* state) {
     for (const RopeEnd& end : pulley.end) {
       const Winched& at = winches_[end.winched];
       for (std::size_t k = 0; k < at.winch->rest.size(); ++k) {
-        if (rows_[at.first_row + k].rest < kLeast * at.winch->rest[k]) return end.connector;
+        if (rest_of(at, k) < kLeast * at.winch->rest[k]) return end.connector;
       }
     }
   }
@@ -956,7 +1016,7 @@ void Mechanism::push_pulleys(const double* by, double* velocities, double* speed
 /// The rope before the pulley by itself, as seen from there, and the ratio of tensions.
 void Mechanism::measure_friction(std::size_t pulley, const double* state) {
   pulleys_[pulley].before = drive_before(pulley, state, point_acceleration_);
-  pulleys_[pulley].ratio = slide_ratio(pulley);
+  pulleys_[pulley].ratio = slide_ratio(pulley, state);
 }
 
 /// The pulleys' equations under friction: where rope stays, its acceleration is zero.

@@ -121,6 +121,12 @@ class Mechanism {
     double before = 0;  // in the tension before the pulley, without friction
   };
   const std::vector<Coupling>& couplings() const { return couplings_; }  // sorted by pulleys
+  /// A link that stretches, of material().stretches(), and its share of what passes a pulley.
+  struct SoftCoupling {
+    std::uint32_t stretch = 0, pulley = 0;
+    double share = 0;
+  };
+  const std::vector<SoftCoupling>& soft_couplings() const { return soft_couplings_; }
   /// The inertia (kg) in a pulley's equation (row) against the acceleration of each (column).
   const Eigen::MatrixXd& passing_inertia() const { return passing_inertia_; }
 
@@ -148,8 +154,8 @@ class Mechanism {
   /// The same force of the rope before the pulley, less the force that turns the rope there.
   double drive_before(std::size_t pulley, const double* state,
                       std::span<const Vec3> acceleration) const;
-  /// The ratio of the larger tension to the smaller at which rope slides, after measure().
-  double slide_ratio(std::size_t pulley) const;
+  /// The ratio of the larger tension to the smaller at which rope slides.
+  double slide_ratio(std::size_t pulley, const double* state) const;
   /// How the velocity of rope past a point, flow_past(), grows with the speed of a pulley: by the
   /// rope before it (0) or behind it (1).
   Vec3 flow_by(std::size_t pulley, std::size_t side, std::size_t point, const double* state) const;
@@ -265,7 +271,10 @@ class Mechanism {
   /// A connector whose links change their lengths; where its points and rows begin.
   struct Winched {
     std::shared_ptr<const Winch> winch;
-    std::uint32_t connector = 0, first_point = 0, first_row = 0;
+    std::uint32_t connector = 0, first_point = 0;
+    std::uint32_t first_row = 0;                      // of rigid links
+    std::optional<std::uint32_t> first_stretch = {};  // of links that stretch
+    std::vector<double> strain = {};  // per link that stretches: (length / rest length)^2
     std::optional<std::uint32_t> first_drag = {};  // where it meets the air
     std::uint32_t first_bend = 0, bends_end = 0;   // where it resists bending
     PaidOut first = {}, last = {}, longer = {};    // at the instant of the last place()
@@ -307,6 +316,11 @@ class Mechanism {
   double paying_force(const Winched& at, std::size_t end, const double* state,
                       std::span<const Vec3> acceleration, const PointMotion& frame) const;
   double bending_force(const Winched& at, const double* state) const;
+  double paid_pull(std::size_t stretch, const double* state) const;
+  double rest_of(const Winched& at, std::size_t link) const {
+    return at.first_stretch ? material_.stretches()[*at.first_stretch + link].rest
+                            : rows_[at.first_row + link].rest;
+  }
   double passing_inertia(const Passing& pulley, std::size_t side, const Passing& other) const;
   void measure_friction(std::size_t pulley, const double* state);
   void use_friction();
@@ -343,6 +357,7 @@ class Mechanism {
   std::vector<Winched> winches_;
   std::vector<Passing> pulleys_;
   std::vector<Coupling> couplings_;
+  std::vector<SoftCoupling> soft_couplings_;
   Eigen::MatrixXd passing_inertia_;
   std::vector<Vec3> unit_;   // per point: what one pulley's acceleration of 1 m/s^2 gives it
   std::vector<Vec3> force_;  // N, per point, of the material and of its flow

@@ -217,7 +217,11 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
   lengths_.reserve(bends_.capacity());
   for (const BendElement& bend : bends_) lengths_.push_back({rest_[bend.a], rest_[bend.b]});
   moduli_.clear();
+  axial_.clear();
   if (has_winches(world)) {
+    for (const StretchElement& link : stretches_) {
+      axial_.push_back({link.stiffness * link.rest, link.damping * link.rest});
+    }
     for (std::size_t i = 0; i < bends_.size(); ++i) {
       moduli_.push_back(bends_[i].stiffness * bent_length(i));
     }
@@ -289,8 +293,9 @@ void MaterialForces::add(const double* positions, const double* velocities,
     const double length = gap.norm();
     if (length == 0) continue;
     const Vec3 unit = gap / length;
-    const double tension =
-        link.stiffness * (length - link.rest) + link.damping * unit.dot(gap_rate);
+    double rate = unit.dot(gap_rate);
+    if (link.rest_rate != 0) rate -= length / link.rest * link.rest_rate;
+    const double tension = link.stiffness * (length - link.rest) + link.damping * rate;
     force[link.a] += tension * unit;
     force[link.b] -= tension * unit;
   }
@@ -351,6 +356,14 @@ double MaterialForces::bent_length(std::size_t bend) const {
   const double before = bends_[bend].clamped_before() ? 0 : lengths_[bend].before;
   const double behind = bends_[bend].clamped_behind() ? 0 : lengths_[bend].behind;
   return (before + behind) / 2;
+}
+
+void MaterialForces::pay_out(std::size_t stretch, double rest, double rate) {
+  StretchElement& link = stretches_[stretch];
+  link.rest = rest;
+  link.stiffness = axial_[stretch].stiffness / rest;
+  link.damping = axial_[stretch].damping / rest;
+  link.rest_rate = rate;
 }
 
 void MaterialForces::bend_over_lengths(std::size_t first, std::size_t end) {

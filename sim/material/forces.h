@@ -18,6 +18,7 @@ struct StretchElement {
   double stiffness = 0;        // N/m: EA over the rest length
   double damping = 0;          // N s/m
   std::uint32_t connector = 0, link = 0;
+  double rest_rate = 0;  // m/s: of `rest`, where a winch pays the link out
 };
 
 /// Two links in a row that resist bending; or a link at a clamp, whose direction is one of the two
@@ -95,6 +96,8 @@ class MaterialForces {
   // Where a winch changes lengths:
   /// gives the link behind a point another rest length (m);
   void set_rest(std::uint32_t point, double rest) { rest_[point] = rest; }
+  /// gives a link that stretches another rest length (m), which grows at a rate (m/s);
+  void pay_out(std::size_t stretch, double rest, double rate);
   /// lets a link that meets the air have that of its first point, and its material a flow (m/s);
   void flow_past(std::size_t drag, double speed);
   /// gives the bends from `first` until `end` the stiffness of their lengths.
@@ -166,6 +169,10 @@ class MaterialForces {
   bool any_ = false;
   Vec3 wind_ = Vec3::Zero();
   std::vector<StretchElement> stretches_;
+  struct Axial {
+    double stiffness = 0, damping = 0;  // N, N s: of a unit of length
+  };
+  std::vector<Axial> axial_;  // of stretches_, in worlds with winches
   std::vector<BendElement> bends_;
   std::vector<DragElement> drags_;
   std::vector<TwistElement> twists_;

@@ -58,7 +58,8 @@ void each_flow(const World& world, Visit visit) {
     const PaidOut first = paid_out(world, c, 0, world.time);
     const PaidOut last = paid_out(world, c, 1, world.time);
     for (std::size_t k = 0; k < connector.links(); ++k) {
-      const Vec3 along = (connector.position[k + 1] - connector.position[k]).normalized();
+      const Vec3 way = connector.position[k + 1] - connector.position[k];
+      const Vec3 along = connector.stretches() ? Vec3(way / connector.rest[k]) : way.normalized();
       for (const std::size_t i : {k, k + 1}) {
         visit(winch.density * connector.rest[k] / 2, connector.position[i], connector.velocity[i],
               Vec3(winch.flow(i, first, last).speed * along));

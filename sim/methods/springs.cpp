@@ -161,13 +161,16 @@ MethodInfo springs_method() {
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
-      .abilities =
-          {Features::all() - kPulleyFeatures - Features{Feature::span, Feature::clamp_on_body},
-           {
-               {Feature::winch, kContactFeatures | Feature::strings},
-               {Feature::winch, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
-               {kMaterialFeatures, Feature::strings, {}, Apart::Within::connector},
-           }},
+      .abilities = {Features::all() - kPulleyFeatures -
+                        Features{Feature::span, Feature::clamp_on_body},
+                    {
+                        {Feature::winch, kContactFeatures | Feature::strings},
+                        {Feature::winch,
+                         kJointFeatures | kUnlikeReels | Feature::stretch,
+                         {},
+                         Apart::Within::connector},
+                        {kMaterialFeatures, Feature::strings, {}, Apart::Within::connector},
+                    }},
       .companion = companion_of_springs,
       .particle_memory = 350,
   };

@@ -222,14 +222,17 @@ MethodInfo xpbd_method() {
       },
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
-      .abilities =
-          {Features::all() - kPulleyFeatures - Features{Feature::span, Feature::clamp_on_body},
-           {
-               {Feature::winch, Feature::friction,
-                "rope of a winch flows past the particles that touch"},
-               {Feature::winch, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
-               {kMaterialFeatures, Feature::strings, {}, Apart::Within::connector},
-           }},
+      .abilities = {Features::all() - kPulleyFeatures -
+                        Features{Feature::span, Feature::clamp_on_body},
+                    {
+                        {Feature::winch, Feature::friction,
+                         "rope of a winch flows past the particles that touch"},
+                        {Feature::winch,
+                         kJointFeatures | kUnlikeReels | Feature::stretch,
+                         {},
+                         Apart::Within::connector},
+                        {kMaterialFeatures, Feature::strings, {}, Apart::Within::connector},
+                    }},
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .particle_memory = 250,

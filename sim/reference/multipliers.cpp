@@ -219,27 +219,29 @@ void Multipliers::give_up(double time, std::size_t row, const char* what) const 
 }  // namespace
 
 MethodInfo truth_method() {
-  return {
-      .name = kTruth,
-      .summary = "the converged solution, which the others are scored against",
-      .settings = {{"local_error",
-                    "Error allowed in a step, in metres and metres per second; less is dearer.",
-                    "1", 1e-12, 1e-15, 1e-3}},
-      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-        return std::make_unique<Multipliers>(settings);
-      },
-      .reference = true,
-      .abilities = {Features::all() - kConnectorContact -
-                        Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body},
-                    {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
-                     {kReelFeatures, kContactFeatures | Feature::strings},
-                     {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector}}},
-      .companion =
-          [](const MethodInfo& truth, const Settings& settings) {
-            return with_tolerance_raised(truth, settings, "local_error");
+  return {.name = kTruth,
+          .summary = "the converged solution, which the others are scored against",
+          .settings = {{"local_error",
+                        "Error allowed in a step, in metres and metres per second; less is dearer.",
+                        "1", 1e-12, 1e-15, 1e-3}},
+          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+            return std::make_unique<Multipliers>(settings);
           },
-      .particle_memory = 1500,
-      .eliminates = true};
+          .reference = true,
+          .abilities = {Features::all() - kConnectorContact -
+                            Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body},
+                        {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
+                         {kReelFeatures, kContactFeatures | Feature::strings},
+                         {kReelFeatures,
+                          kJointFeatures | kUnlikeReels | Feature::stretch,
+                          {},
+                          Apart::Within::connector}}},
+          .companion =
+              [](const MethodInfo& truth, const Settings& settings) {
+                return with_tolerance_raised(truth, settings, "local_error");
+              },
+          .particle_memory = 1500,
+          .eliminates = true};
 }
 
 }  // namespace taut::reference

@@ -28,7 +28,7 @@ const Abilities& abilities_without_implicit_step() {
            kContactFeatures},
           {kMaterialFeatures | kJointFeatures, Feature::strings},
           {kJointFeatures | kReelFeatures, kContactFeatures},
-          {kReelFeatures, Features{Feature::strings, Feature::span}},
+          {kReelFeatures, Features{Feature::strings, Feature::span, Feature::stretch}},
           {kJointFeatures | Features{Feature::material_on_body, Feature::hinge} | kContactFeatures |
                Feature::strings,
            Feature::span},

@@ -126,6 +126,13 @@ void ImplicitStep::rebuild(const World& world) {
   for (std::uint32_t k = 0; k < stretches.size(); ++k) {
     add({.a = stretches[k].a, .b = stretches[k].b, .soft = true, .row = k});
   }
+  passing_.clear();
+  for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
+    if (coupling.share != 0) passing_.push_back({coupling.row, coupling.pulley, coupling.share});
+  }
+  for (const Mechanism::SoftCoupling& coupling : mechanism_.soft_couplings()) {
+    passing_.push_back({small(rows.size()) + coupling.stretch, coupling.pulley, coupling.share});
+  }
   stiffest_ = 0;
   for (const material::BendElement& bend : mechanism_.material().bends()) {
     for (const std::uint32_t p : {bend.a, bend.b, bend.c}) {
@@ -161,6 +168,8 @@ void ImplicitStep::lay_out(const StepState& from) {
   bounce_.assign(contacts_.size(), 0.0);
   snap_.assign(links_.size(), 0.0);
   by_rate_.resize(links_.size());
+  by_rest_.assign(links_.size(), 1.0);
+  soft_rate_.resize(links_.size());
   law_.assign(contacts_.size(), kFree);
   off_.resize(contacts_.size());
   by_speed_.resize(contacts_.size());
@@ -423,9 +432,9 @@ void ImplicitStep::scale(const Problem& problem) {
   }
   for (std::size_t p = 0; p < pulley_.size(); ++p) {
     pulley_mass_[p] = mechanism_.passing_mass(p, p, false);
-    for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
-      if (coupling.pulley != p || coupling.share == 0) continue;
-      pulley_mass_[p] = std::max(pulley_mass_[p], links_[coupling.row].inertia);
+    for (const Passing& passing : passing_) {
+      if (passing.pulley != p) continue;
+      pulley_mass_[p] = std::max(pulley_mass_[p], links_[passing.link].inertia);
     }
     row_scale_[pulley_[p]] = 1 / (pulley_mass_[p] * problem.inertia);
   }
@@ -584,6 +593,7 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
     if (joint) direction = Vec3::Unit(rows[link.row].axis);
     double rate = direction.dot(rate_of_way);
     if (!link.soft) rate = mechanism_.rate()[link.row];
+    if (link.soft) by_rest_[k] = length / stretches[link.row].rest;
     double tension = unknown_[at], damping = 0;
     double& out = residual_[at];
     const double scaled = column_scale_[at];
@@ -607,6 +617,9 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
       if (link.soft) {
         const auto& stretch = stretches[link.row];
         const double compliance = problem.inertia / stretch.stiffness;
+        // What is paid out has no tension.
+        rate -= by_rest_[k] * stretch.rest_rate;
+        slope -= problem.advance * stretch.rest_rate / stretch.rest * direction;
         out = rate - compliance * (tension - loose_[k]);
         by_tension -= compliance * scaled;
         damping = stretch.damping;
@@ -628,6 +641,7 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
       row(at, gap, by_rate * slope);
       put(at, at, by_tension);
     }
+    soft_rate_[k] = rate;
     const double pull = tension + damping * rate;
     push(gap, -pull * direction);
     column(at, gap, direction);
@@ -792,11 +806,18 @@ void ImplicitStep::find_balance(const Problem& problem, std::size_t p, double& b
       if (side == 0) before += takes;
     });
   }
-  for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
-    if (coupling.pulley != p || coupling.share == 0) continue;
-    const double pull = coupling.share * unknown_[first_link_ + coupling.row];
+  for (const Passing& passing : passing_) {
+    if (passing.pulley != p) continue;
+    const Link& link = links_[passing.link];
+    const double tension = unknown_[first_link_ + passing.link];
+    double pull = passing.share * tension;
+    if (link.soft && problem.forces) {  // and the energy that a unit of length carries away
+      const auto& stretch = mechanism_.material().stretches()[link.row];
+      pull *= 1 + tension / (2 * stretch.stiffness * stretch.rest);
+      pull += passing.share * by_rest_[passing.link] * stretch.damping * soft_rate_[passing.link];
+    }
     balance -= pull;
-    if (coupling.share < 0) before -= pull;
+    if (passing.share < 0) before -= pull;
   }
   if (problem.forces) {
     balance -= mechanism_.passing_drive(p, state_.data(), own_acceleration_);
@@ -818,7 +839,7 @@ ImplicitStep::PulleyLaw ImplicitStep::find_law(const Problem& problem, std::size
   using Slip = Mechanism::Slip;
   value = balance;
   if (!mechanism_.has_friction(p)) return {};
-  const double speed = unknown_[pulley_[p]], excess = mechanism_.slide_ratio(p) - 1;
+  const double speed = unknown_[pulley_[p]], excess = mechanism_.slide_ratio(p, state_.data()) - 1;
   const double stiff = problem.inertia * pulley_mass_[p];
   if (problem.law == Problem::Law::projection) {  // rope that stays passes nothing
     if (pulley_law_[p].slip != Slip::stick) return {pulley_law_[p].slip, 1, 0};
@@ -885,13 +906,14 @@ void ImplicitStep::assemble_pulleys(const Problem& problem) {
         column(at, moved, -problem.inertia * force);
       });
     }
-    for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
-      if (coupling.pulley != p || coupling.share == 0) continue;
-      const std::size_t link = first_link_ + coupling.row;
-      const double shortens = -coupling.share * by_rate_[coupling.row];
+    for (const Passing& passing : passing_) {
+      if (passing.pulley != p) continue;
+      const std::size_t link = first_link_ + passing.link;
+      const double by = passing.share * by_rest_[passing.link];
+      const double shortens = -by * by_rate_[passing.link];
       if (projects) residual_[link] += shortens * unknown_[at];
       entry(link, at, shortens);
-      entry(at, link, -coupling.share * (law.all + (coupling.share < 0 ? law.before : 0)));
+      entry(at, link, -by * (law.all + (passing.share < 0 ? law.before : 0)));
     }
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       if (!flows_at(touches_.candidates()[contacts_[c].candidate], p)) continue;
@@ -1477,10 +1499,10 @@ double ImplicitStep::distance(const StepState& one, const StepState& other, doub
     residual_[first_link_ + k] =
         inertia * direction(link).dot(moves(relative(link.a, link.b), moved_));
   }
-  for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
-    if (on_[coupling.row] == 0) continue;
-    residual_[first_link_ + coupling.row] -=
-        inertia * coupling.share * moved_[pulley_[coupling.pulley]];
+  for (const Passing& passing : passing_) {
+    if (links_[passing.link].soft || on_[passing.link] == 0) continue;
+    residual_[first_link_ + passing.link] -=
+        inertia * passing.share * moved_[pulley_[passing.pulley]];
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Candidate& of = touches_.candidates()[contacts_[c].candidate];

@@ -110,6 +110,11 @@ class ImplicitStep {
       return {handles.data(), static_cast<std::size_t>(count)};
     }
   };
+  /// A link of a rope that passes a pulley, and its share of what passes.
+  struct Passing {
+    std::uint32_t link = 0, pulley = 0;
+    double share = 0;
+  };
   struct Link {
     std::uint32_t a = 0, b = 0;
     bool soft = false, pulls = false;
@@ -228,12 +233,15 @@ class ImplicitStep {
   std::vector<std::uint32_t> carried_;  // per point: of body_points(), or kNone
   std::vector<std::uint32_t> body_;     // per free body: its first unknown
   std::vector<std::uint32_t> pulley_;   // per pulley: its unknown, the speed
+  std::vector<Passing> passing_;        // by pulleys
   std::vector<PulleyLaw> pulley_law_;   // of the last assembly
   std::vector<double> pulley_mass_;     // kg, of that assembly: what a pulley's row is scaled by
   std::vector<Vec3> own_acceleration_;  // per point, m/s^2: without changes of velocities
   std::vector<double> change_;          // of the unknown velocities, per second
   std::vector<Mat3> by_speed_;          // per contact: of its law, by its velocity
   std::vector<double> by_rate_;         // per link: of its law, by the rate of its length
+  std::vector<double> by_rest_;         // per link: of that rate, by the rate of its rest length
+  std::vector<double> soft_rate_;       // m/s, per link: how fast it stretches
   std::size_t first_link_ = 0, first_contact_ = 0, unknowns_ = 0;
   std::vector<Contact> contacts_;         // of the present problem
   std::vector<std::uint32_t> reversing_;  // candidates that slide forwards to their stop

@@ -367,5 +367,37 @@ TEST(Pulley, ALoadThatLandsLetsTheOtherRise) {
   EXPECT_NEAR(end.connectors[0].position[0].y(), -0.6 + speed * 0.1 - slows * 0.005, 1e-5);
 }
 
+/// A rope over an eye, or two, that stretches.
+World elastic(World world, double stiffness) {
+  Section section;
+  section.axial_stiffness = stiffness;
+  for (Connector& rope : world.connectors) rope.sections.assign(rope.links(), section);
+  refresh(world);
+  return world;
+}
+
+TEST(Pulley, RopeThatStretchesKeepsItsEnergyAndMomenta) {
+  for (const World& world : {swinging(1, 0), swinging(4), in_space(), stairs()}) {
+    const World start = elastic(world, 300), end = after(start, 0.5, 1e-6);
+    EXPECT_GT(std::abs(end.pulleys[0].passed), 0.02);
+    EXPECT_GT(stretch_max(end), 1e-3);
+    EXPECT_NEAR(energy(end), energy(start), 1e-5 * energy_scale(start));
+    if (!world.gravity.isZero()) continue;
+    EXPECT_LT((linear_momentum(end) - linear_momentum(start)).norm(), 1e-6);
+    const Vec3 about = Vec3::Zero();
+    EXPECT_LT((angular_momentum(end, about) - angular_momentum(start, about)).norm(), 1e-6);
+  }
+}
+
+TEST(Pulley, StifferRopesComeNearToRigidOnes) {
+  const World rigid = after(swinging(4), 0.5, 1e-7);
+  double before = 1;
+  for (const double stiffness : {3e3, 3e4, 3e5}) {
+    const double now = apart(after(elastic(swinging(4), stiffness), 0.5, 1e-5), rigid);
+    EXPECT_LT(now, before / 5) << stiffness;
+    before = now;
+  }
+}
+
 }  // namespace
 }  // namespace taut::pulley_test

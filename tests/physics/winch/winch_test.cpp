@@ -381,5 +381,80 @@ TEST(Winch, WorldsSayWhatIsWrongWithTheirs) {
   EXPECT_THROW(finish(loose), std::invalid_argument);
 }
 
+/// The hoist with a rope that stretches.
+World elastic(std::size_t particles, double stiffness) {
+  World world = hoist(particles, 40);
+  Section section;
+  section.axial_stiffness = stiffness;
+  world.connectors[0].sections.assign(particles - 1, section);
+  refresh(world);
+  return world;
+}
+
+// m x'' = m g - EA (x / h - 1) of a load on a rope without mass that is h(t) long at rest.
+TEST(Winch, LiftsALoadOnARopeThatStretches) {
+  constexpr double kStiffness = 200, kMass = 0.8, kEnd = 0.7;
+  World world = worlds::chain(2, 1, worlds::from_down(0), 0);
+  Connector& rope = world.connectors[0];
+  rope.particle_mass.back() = kMass;
+  Section section;
+  section.axial_stiffness = kStiffness;
+  rope.sections.assign(1, section);
+  add_winches(world, rope, paying({{0, 0}, {1, -0.5}}), nullptr);
+  finish(world);
+  const auto pull = [&](double x, double time) {
+    return kStiffness * (x / (1 + rope.winch->paid_out(0, time).length) - 1);
+  };
+  constexpr int kSteps = 20000;
+  double x = 1, v = 0;
+  for (int i = 0; i < kSteps; ++i) {  // Runge and Kutta's method of order 4
+    const double h = kEnd / kSteps, time = h * i;
+    const auto slope = [&](double at, double t) { return kGravity - pull(at, t) / kMass; };
+    const double a = slope(x, time), b = slope(x + h / 2 * v, time + h / 2),
+                 c = slope(x + h / 2 * v + h * h / 4 * a, time + h / 2),
+                 d = slope(x + h * v + h * h / 2 * b, time + h);
+    x += h * v + h * h / 6 * (a + b + c);
+    v += h / 6 * (a + 2 * b + 2 * c + d);
+  }
+  const World end = after(world, kEnd, 1e-7);
+  EXPECT_NEAR(end.connectors[0].position[1].y(), -x, 5e-7);
+  EXPECT_NEAR(winch_tension(end, 0, 0), pull(x, kEnd), 1e-4);
+}
+
+// The rope gains the work of the drum, which pulls with T and moves (1 + T/EA) times as fast as the
+// rope at rest is paid out, less the energy EA (T/EA)^2 / 2 that a unit of length carries.
+TEST(Winch, ElasticRopeGainsTheWorkOfItsWinch) {
+  constexpr double kStiffness = 60;
+  const World start = elastic(6, kStiffness);
+  const Winch& winch = *start.connectors[0].winch;
+  double work = 0, last = 0;
+  Simulation simulation(start, make_method("direct", {{"tolerance", 1e-6}}));
+  const int frames = 400;
+  const double gap = 0.8 / frames;
+  for (int i = 0; i <= frames; ++i) {
+    simulation.advance_to(gap * i);
+    const World& now = simulation.world();
+    const double rate = winch.paid_out(0, gap * i).rate, pull = winch_tension(now, 0, 0);
+    const double carried = pull + pull * pull / (2 * kStiffness);
+    const double power = (winch.density * rate * rate / 2 - carried) * rate;
+    if (i > 0) work += gap * (power + last) / 2;
+    last = power;
+  }
+  EXPECT_NEAR(energy(simulation.world()) - energy(start), work, 1e-5 * energy_scale(start));
+  EXPECT_GT(std::abs(work), 0.01);
+}
+
+// The stiffer the rope, the nearer it is to one that does not stretch.
+TEST(Winch, StifferRopesComeNearToRigidOnes) {
+  const World rigid = after(hoist(6, 40), 0.6, 1e-7);
+  double before = 1;
+  for (const double stiffness : {1e3, 1e4, 1e5}) {
+    const double now = apart(after(elastic(6, stiffness), 0.6, 1e-5), rigid);
+    EXPECT_LT(now, before / 5) << stiffness;
+    before = now;
+  }
+  EXPECT_LT(before, 1e-3);
+}
+
 }  // namespace
 }  // namespace taut::winch_test
