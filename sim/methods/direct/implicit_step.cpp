@@ -102,6 +102,7 @@ void ImplicitStep::rebuild(const World& world) {
   pulley_.resize(mechanism_.pulleys());
   for (std::uint32_t& unknown : pulley_) unknown = next++;
   pulley_law_.assign(pulley_.size(), {});
+  slip_before_.assign(pulley_.size(), Mechanism::Slip::free);
   pulley_mass_.assign(pulley_.size(), 1.0);
   own_acceleration_.assign(points, Vec3::Zero());
   first_link_ = next;
@@ -850,16 +851,22 @@ ImplicitStep::PulleyLaw ImplicitStep::find_law(const Problem& problem, std::size
   const double forwards = excess * std::max(before, 0.0), back = excess * std::max(behind, 0.0);
   const double asked = stiff * speed - balance;
   if (before <= 0 && behind <= 0) return {};
-  if (asked > forwards) {
+  // Newton's correction that makes rope slide the other way has passed where it stays.
+  const Slip now = asked > forwards ? Slip::forwards
+                   : asked < -back  ? Slip::backwards
+                                    : Slip::stick;
+  const bool turns = (now == Slip::forwards && slip_before_[p] == Slip::backwards) ||
+                     (now == Slip::backwards && slip_before_[p] == Slip::forwards);
+  if (turns || now == Slip::stick) {
+    value = stiff * speed;
+    return {Slip::stick, 0, 0};
+  }
+  if (now == Slip::forwards) {
     value = balance + forwards;
     return {Slip::forwards, 1, before > 0 ? excess : 0};
   }
-  if (asked < -back) {
-    value = balance - back;
-    return {Slip::backwards, behind > 0 ? 1 + excess : 1, behind > 0 ? -excess : 0};
-  }
-  value = stiff * speed;
-  return {Slip::stick, 0, 0};
+  value = balance - back;
+  return {Slip::backwards, behind > 0 ? 1 + excess : 1, behind > 0 ? -excess : 0};
 }
 
 /// The rows of pulleys, and what their rope's passing does to lengths, points and contacts. After
@@ -912,8 +919,18 @@ void ImplicitStep::assemble_pulleys(const Problem& problem) {
       const double by = passing.share * by_rest_[passing.link];
       const double shortens = -by * by_rate_[passing.link];
       if (projects) residual_[link] += shortens * unknown_[at];
+      const double drives = -by * (law.all + (passing.share < 0 ? law.before : 0));
       entry(link, at, shortens);
-      entry(at, link, -by * (law.all + (passing.share < 0 ? law.before : 0)));
+      entry(at, link, drives);
+      const Link& of = links_[passing.link];
+      if (!of.soft || !problem.forces) continue;
+      const double damping = mechanism_.material().stretches()[of.row].damping;
+      if (damping == 0) continue;
+      const Relative gap = relative(of.a, of.b);
+      const Vec3 along = direction(of);
+      column(at, gap, -by * damping * along);
+      row(at, gap, drives * damping * along);
+      entry(at, at, -drives * by * damping);
     }
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       if (!flows_at(touches_.candidates()[contacts_[c].candidate], p)) continue;
@@ -1025,6 +1042,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   double last = std::numeric_limits<double>::infinity(), part = 0, fastest = 0, before = last;
   bool keeps = reuses_;
   reuses_ = false;
+  std::ranges::fill(slip_before_, Mechanism::Slip::free);
   for (int i = 0; i < most;) {
     check_stop();
     place_unknowns(problem);
@@ -1070,6 +1088,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
       way_[u] = column_scale_[u] * residual_[u];
       unknown_[u] += part * way_[u];
     }
+    for (std::size_t p = 0; p < pulley_.size(); ++p) slip_before_[p] = pulley_law_[p].slip;
     if (fastest <= enough) return true;
     keeps = part == 1;
   }

@@ -229,12 +229,13 @@ class ImplicitStep {
   bool assembles_ = true;                          // the matrix as well as the residual
   bool reuses_ = false;                            // the matrix of the stage before, to begin with
   std::vector<Link> links_;
-  std::vector<std::uint32_t> node_;     // per point: its first unknown, or kNone
-  std::vector<std::uint32_t> carried_;  // per point: of body_points(), or kNone
-  std::vector<std::uint32_t> body_;     // per free body: its first unknown
-  std::vector<std::uint32_t> pulley_;   // per pulley: its unknown, the speed
-  std::vector<Passing> passing_;        // by pulleys
-  std::vector<PulleyLaw> pulley_law_;   // of the last assembly
+  std::vector<std::uint32_t> node_;           // per point: its first unknown, or kNone
+  std::vector<std::uint32_t> carried_;        // per point: of body_points(), or kNone
+  std::vector<std::uint32_t> body_;           // per free body: its first unknown
+  std::vector<std::uint32_t> pulley_;         // per pulley: its unknown, the speed
+  std::vector<Passing> passing_;              // by pulleys
+  std::vector<PulleyLaw> pulley_law_;         // of the last assembly
+  std::vector<Mechanism::Slip> slip_before_;  // of Newton's last correction
   std::vector<double> pulley_mass_;     // kg, of that assembly: what a pulley's row is scaled by
   std::vector<Vec3> own_acceleration_;  // per point, m/s^2: without changes of velocities
   std::vector<double> change_;          // of the unknown velocities, per second
