@@ -39,6 +39,11 @@ class Frames(unittest.TestCase):
             for seen, wanted in zip(beside_blender.shown(SCENE, frame)["lens"], lens):
                 self.assertAlmostEqual(seen, wanted)
 
+    def test_an_eye_on_an_orbit_focuses_at_its_distance(self):
+        orbit = {"t": 0.0, "target": [0, 1, 1], "orbit": {"distance": 1.5}, "field_of_view": 0.5, "aperture": 2.0}
+        for seen, wanted in zip(beside_blender.lens([orbit], 0.5), [2, 1.5]):
+            self.assertAlmostEqual(seen, wanted)
+
     def test_frames_of_no_shot_are_refused(self):
         for frame in (0, 99, 350):
             with self.assertRaises(SystemExit):

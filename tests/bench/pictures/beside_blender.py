@@ -62,10 +62,15 @@ def between(keys, time, value):
     return value(before) + (3 - 2 * u) * u * u * (value(after) - value(before))
 
 
+def to_target(key):
+    """How far the eye is from what it looks at (m): on an orbit, or where it stands."""
+    return key["orbit"]["distance"] if "orbit" in key else math.dist(key["position"], key["target"])
+
+
 def lens(keys, time):
     """The f-number and the distance of focus (m); none where all is sharp."""
     opening = between(keys, time, lambda key: 1 / key["aperture"] if "aperture" in key else 0)
-    focus = between(keys, time, lambda key: key.get("focus") or math.dist(key["position"], key["target"]))
+    focus = between(keys, time, lambda key: key.get("focus") or to_target(key))
     return [1 / opening, focus] if opening > 0 else None
 
 
@@ -97,9 +102,9 @@ def environment():
 
 
 def by_taut(options, frames, folder):
-    """Pictures without captions, and the seconds that one thread took for each."""
-    command = [options.taut, "render", options.scene, "--set", "stage.captions=[]", "--size", options.size, "--anew",
-               "--no-video", "--no-estimate", "--quiet", "--threads", "1", "--out"]
+    """Pictures without captions and ribbons, and the seconds that one thread took for each."""
+    command = [options.taut, "render", options.scene, "--set", "stage.captions=[]", "--set", "stage.trails=[]", "--size",
+               options.size, "--anew", "--no-video", "--no-estimate", "--quiet", "--threads", "1", "--out"]
     told = json.loads(subprocess.run([*command, folder / "taut", "--frames", ",".join(map(str, frames)), "--json"],
                                      capture_output=True, text=True, check=True).stdout)
     return [read(folder / f"taut/frames/{f:06}.png") for f in frames], told["seconds_per_frame"]["rendering"]
