@@ -40,6 +40,12 @@ std::string two_digits(double value) {
   return text;
 }
 
+/// A time in its unit, with two digits.
+std::string duration(double seconds) {
+  if (seconds < 0.95e-3) return two_digits(1e6 * seconds) + " µs";
+  return seconds < 0.95 ? two_digits(1e3 * seconds) + " ms" : two_digits(seconds) + " s";
+}
+
 }  // namespace
 
 void ComparisonFilm::draw_charts() {
@@ -156,33 +162,40 @@ void ComparisonFilm::draw_chart(Measure measure, const picture::Rect& area) {
   plots_.push_back(plot);
 }
 
-/// CPU time as bars on a logarithmic scale, and how many times real time that is.
+/// CPU time as bars on a logarithmic scale, and how fast that is beside real time.
 void ComparisonFilm::draw_costs() {
   const picture::Rect& area = areas_.costs;
   const double left = area.x + unit_, right = area.right() - unit_;
   bold_.draw(faint_, "CPU time for 1 s of motion", left, area.y + 1.3 * unit_, unit_, kInk);
   const double size = unit_, small = 0.85 * unit_;
-  double names = 0, texts = 0, least = INFINITY, most = 0;
-  struct Cost {
-    double seconds;  // to a second of motion
-    std::string text;
-  };
-  std::vector<Cost> costs;
+  double names = 0, least = INFINITY, most = 0;
+  std::vector<double> costs;  // s to a second of motion
   for (const ComparedMethod& method : comparison_.methods) {
     const double seconds = 1e-6 * method.cpu_us * comparison_.fps;
-    std::string text = "not run";
     if (seconds > 0) {
       least = std::min(least, seconds);
       most = std::max(most, seconds);
-      text = two_digits(1 / seconds) + " times real time";
     }
-    costs.push_back({seconds, text});
+    costs.push_back(seconds);
     names = std::max(names, bold_.width(method.label, size));
-    texts = std::max(texts, font_.width(text, small));
   }
   if (!(most > 0)) least = most = 1e-3;
   const double low = std::floor(std::log10(least) - 0.3), high = std::log10(most);
-  const double start = left + names + unit_, wide = right - start - texts - 0.6 * unit_;
+  const double start = left + names + unit_;
+  std::vector<std::string> texts;
+  double wide = 0;
+  for (const bool brief : {false, true}) {  // the bars keep a third of the room
+    if (brief && wide > (right - start) / 3) break;
+    texts.clear();
+    wide = right - start - 0.6 * unit_;
+    for (const double seconds : costs) {
+      std::string text = "not run";
+      if (seconds > 0) text = two_digits(1 / seconds) + " times real time";
+      if (seconds > 0 && !brief) text = duration(seconds) + ", " + text;
+      wide = std::min(wide, right - start - 0.6 * unit_ - font_.width(text, small));
+      texts.push_back(std::move(text));
+    }
+  }
   const double row = std::min(
       1.75 * unit_, (area.height - 3.4 * unit_) / double(std::max<std::size_t>(costs.size(), 1)));
   if (wide < 4 || row < 2) return;
@@ -205,15 +218,15 @@ void ComparisonFilm::draw_costs() {
     const double line = top + row * (double(i) + 0.5) + 0.36 * size;
     bold_.draw(faint_, method.label, left, line, size, kInk);
     double x = start;
-    if (costs[i].seconds > 0) {
-      const double bar = length_of(costs[i].seconds);
+    if (costs[i] > 0) {
+      const double bar = length_of(costs[i]);
       picture::fill(faint_,
                     {int(start), int(top + row * (double(i) + 0.2)), int(std::lround(bar)),
                      std::max(int(0.6 * row), 1)},
                     rgb(method.style.color));
       x += bar + 0.5 * unit_;
     }
-    font_.draw(faint_, costs[i].text, x, line, small, kInk);
+    font_.draw(faint_, texts[i], x, line, small, kInk);
   }
 }
 

@@ -287,8 +287,12 @@ void ComparisonFilm::draw_card(picture::Picture& picture, double shown) {
     (line.bold ? bold_ : font_)
         .draw(picture, line.text, left + 1.4 * size, y, size, line.bold ? kPaper : kClause);
   }
-  font_.draw(picture, "Times: CPU time for a second of motion", left, y + 2.2 * scale * unit_,
-             scale * unit_, {150, 146, 138});
+  std::string note = "Times: CPU time for a second of motion";
+  if (!comparison_.by_truth &&
+      std::ranges::any_of(comparison_.methods,
+                          [](const ComparedMethod& method) { return !method.energy.empty(); }))
+    note += ". Energy: in % " + comparison_.energy_scale;
+  font_.draw(picture, note, left, y + 2.2 * scale * unit_, scale * unit_, {150, 146, 138});
 }
 
 }  // namespace taut::film
