@@ -73,6 +73,12 @@ std::string command_of(const StabilityStudy& study, const StabilityMap& map,
       cell.over ? study.cap : std::max(study.cap, kTruthCap), scored);
 }
 
+/// Why a method has no map; empty: it has one.
+std::string unmapped(const options::Contender& contender) {
+  if (!map_height(*contender.method)) return "nothing to vary";
+  return std::string(contender.method->missing);
+}
+
 chart::Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t index) {
   const options::Contender& contender = study.contenders[index];
   chart::Panel panel;
@@ -82,13 +88,11 @@ chart::Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std:
     for (const double value : map.axis.values)
       panel.x.tics.emplace_back(value, options::rounded(value));
   }
-  const SettingInfo* setting = map_height(*contender.method);
-  if (!contender.method->missing.empty() || !setting) {
-    panel.remarks.push_back(
-        {0.5, 0.5,
-         setting ? std::string(contender.method->missing) : std::string("nothing to vary")});
+  if (const std::string why = unmapped(contender); !why.empty()) {
+    panel.remarks.push_back({0.5, 0.5, why});
     return panel;
   }
+  const SettingInfo* setting = map_height(*contender.method);
   const std::vector<double> heights = map_heights(*setting, study.quick);
   panel.y = {fmt::format("{} ({})", setting->name, setting->unit), true};
   panel.y.minimum = edges(heights, 0, true).first;
@@ -164,9 +168,20 @@ chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& ma
       study.scored ? "" : "; not told from plausible in a quick map", options::rounded(study.cap),
       options::machine());
   chart.kinds = kinds();
+  const auto has_map = [&](const options::Contender& contender) {
+    return takes_part(contender, map.axis) && unmapped(contender).empty();
+  };
+  const bool any = std::ranges::any_of(study.contenders, has_map);
+  std::string without;
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
-    if (takes_part(study.contenders[c], map.axis)) chart.panels.push_back(panel_of(study, map, c));
+    const options::Contender& contender = study.contenders[c];
+    if (any ? has_map(contender) : takes_part(contender, map.axis))
+      chart.panels.push_back(panel_of(study, map, c));
+    else if (takes_part(contender, map.axis))
+      without += fmt::format("{}{} ({})", without.empty() ? ". Without a map: " : ", ",
+                             contender.label, unmapped(contender));
   }
+  chart.subtitle += without;
   chart.columns = std::clamp<std::size_t>(chart.panels.size(), 1, 4);
   const std::size_t rows = (chart.panels.size() + chart.columns - 1) / chart.columns;
   chart.width = 1400;
