@@ -71,6 +71,7 @@ const Value& key_of_connector(const Value& connector, Feature feature) {
       return member(connector, {"over"});
     case Feature::joint:
     case Feature::loop:
+    case Feature::joint_in_flow:
       return end_member(connector, {"connector"});
     default:
       return connector;

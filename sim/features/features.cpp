@@ -36,6 +36,7 @@ constexpr std::array<std::string_view, kFeatureCount> kNames{
     "restitution",
     "joints",
     "closed loops",
+    "joints where rope flows",
     "winches",
     "pulleys",
     "sheaves with inertia",
@@ -102,6 +103,19 @@ bool closes_loop(const Joint& joint) {
   return false;
 }
 
+/// Whether a winch or a pulley moves rope past a particle.
+bool flows_past(const World& world, const Joint::Particle& at) {
+  const Connector& connector = world.connectors[at.connector];
+  if (!connector.winch) return false;
+  const auto of = [&](std::size_t Pulley::*rope) {
+    return std::ranges::find(world.pulleys, at.connector, rope) != world.pulleys.end();
+  };
+  const Winch& winch = *connector.winch;
+  const double before = winch.before[at.particle];
+  return (before < 1 && (winch.paths[0] || of(&Pulley::to))) ||
+         (before > 0 && (winch.paths[1] || of(&Pulley::from)));
+}
+
 /// Visits every use; the only place that knows where features stand in a world.
 void each_use(const World& world, const Timeline* timeline, auto&& visit) {
   const auto at = [&](Use::At list, std::size_t index) {
@@ -148,6 +162,9 @@ void each_use(const World& world, const Timeline* timeline, auto&& visit) {
     const auto use_if = at(Use::At::joint, j);
     use_if(true, Feature::joint);
     use_if(closes_loop(world.joints[j]), Feature::loop);
+    use_if(std::ranges::any_of(world.joints[j].particles,
+                               [&](const auto& particle) { return flows_past(world, particle); }),
+           Feature::joint_in_flow);
   }
   for (std::size_t p = 0; p < world.pulleys.size(); ++p) {
     const auto use_if = at(Use::At::pulley, p);

@@ -43,7 +43,8 @@ enum class Feature : std::uint8_t {
   restitution,
   // Connectors that depend on each other
   joint,
-  loop,  // a connector that is joined to itself
+  loop,           // a connector that is joined to itself
+  joint_in_flow,  // at a particle past which a winch or a pulley moves rope
   winch,
   pulley,
   sheave,  // a pulley with inertia
@@ -55,7 +56,7 @@ enum class Feature : std::uint8_t {
   pin,
   cut,
 };
-inline constexpr std::size_t kFeatureCount = 33;
+inline constexpr std::size_t kFeatureCount = 34;
 
 /// A set of features.
 class Features {

@@ -62,6 +62,7 @@ void Mechanism::rebuild(const World& world) {
   add_row_ends();
   material_.rebuild(world, room_, leaders_);
   add_winches(world);
+  find_winched_joints(world);
   add_pulleys(world);
   if (material_.any() || has_winches()) {
     force_.reserve(room_);
@@ -223,6 +224,37 @@ void Mechanism::add_winches(const World& world) {
       winches_.push_back(std::move(added));
     }
     first += connector.particles();
+  }
+}
+
+/// Joints of which a particle is of a connector with a winch: the others keep their masses.
+void Mechanism::find_winched_joints(const World& world) {
+  winched_leaders_.clear();
+  is_winched_group_.assign(is_joined() ? points() : 0, 0);
+  kept_mass_.assign(is_winched_group_.size(), 0.0);
+  joined_mass_ = kept_mass_;
+  if (!is_joined() || winches_.empty()) return;
+  std::vector<double> mass;
+  std::vector<char> winched;
+  for (const Connector& connector : world.connectors) {
+    mass.insert(mass.end(), connector.particle_mass.begin(), connector.particle_mass.end());
+    winched.insert(winched.end(), connector.particles(), connector.winch != nullptr);
+  }
+  const auto note = [&](std::uint32_t point, std::uint32_t leads) {
+    if (winched[point] == 0) {
+      kept_mass_[leads] += mass[point];
+    } else if (is_winched_group_[leads] == 0) {
+      is_winched_group_[leads] = 1;
+      winched_leaders_.push_back(leads);
+    }
+  };
+  std::uint32_t noted = 0xffffffff;
+  auto groups = joined_;
+  std::ranges::sort(groups, {}, [](const auto& joined) { return joined.second; });
+  for (const auto& [point, leads] : groups) {
+    if (leads != noted) note(leads, leads);
+    noted = leads;
+    note(point, leads);
   }
 }
 
@@ -531,6 +563,7 @@ void Mechanism::place_winches(double time, const double* state) {
     first = first + moved;
     last = last + PaidOut{-moved.length, -moved.rate};
   }
+  for (const std::uint32_t leads : winched_leaders_) joined_mass_[leads] = kept_mass_[leads];
   for (Winched& at : winches_) {
     const Winch& winch = *at.winch;
     at.longer = at.first + at.last;
@@ -546,14 +579,21 @@ void Mechanism::place_winches(double time, const double* state) {
       if (!at.first_drag) continue;
       const double speed =
           winch.flow(k, at.first, at.last).speed + winch.flow(k + 1, at.first, at.last).speed;
-      material_.flow_past(*at.first_drag + k, speed / 2);
+      material_.flow_past(*at.first_drag + k, rest, speed / 2);
     }
     material_.bend_over_lengths(at.first_bend, at.bends_end);
     for (std::size_t i = 0; i < winch.particle_mass.size(); ++i) {
-      double& easy = inverse_mass_[at.first_point + i];
-      if (easy == 0) continue;
-      easy = 1 / (winch.particle_mass[i] + winch.density * winch.share_at(i) * longer);
+      const std::size_t point = at.first_point + i;
+      const double mass = winch.particle_mass[i] + winch.density * winch.share_at(i) * longer;
+      if (is_joined() && is_winched_group_[leaders_[point]] != 0) {
+        joined_mass_[leaders_[point]] += mass;
+      } else if (inverse_mass_[point] != 0) {
+        inverse_mass_[point] = 1 / mass;
+      }
     }
+  }
+  for (const std::uint32_t leads : winched_leaders_) {
+    if (inverse_mass_[leads] != 0) inverse_mass_[leads] = 1 / joined_mass_[leads];
   }
 }
 

@@ -261,6 +261,7 @@ class Mechanism {
   void add_rows(const World& world);
   void add_row_ends();
   void add_winches(const World& world);
+  void find_winched_joints(const World& world);
   void add_pulleys(const World& world);
   void place_winches(double time, const double* state);
   void measure_winches();
@@ -355,6 +356,10 @@ class Mechanism {
   std::vector<double> violation_, rate_, velocity_term_;
   material::MaterialForces material_;
   std::vector<Winched> winches_;
+  // Of joints with a particle of a winch's connector, by the points that stand for them:
+  std::vector<std::uint32_t> winched_leaders_;
+  std::vector<char> is_winched_group_;
+  std::vector<double> kept_mass_, joined_mass_;  // kg: of the other particles, and of all
   std::vector<Passing> pulleys_;
   std::vector<Coupling> couplings_;
   std::vector<SoftCoupling> soft_couplings_;

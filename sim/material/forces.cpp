@@ -214,8 +214,13 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
     first += static_cast<std::uint32_t>(connector.particles());
   }
   lengths_.clear();
+  bent_links_.clear();
   lengths_.reserve(bends_.capacity());
-  for (const BendElement& bend : bends_) lengths_.push_back({rest_[bend.a], rest_[bend.b]});
+  bent_links_.reserve(bends_.capacity());
+  for (const BendElement& bend : bends_) {
+    lengths_.push_back({rest_[bend.a], rest_[bend.b]});
+    bent_links_.push_back({bend.a, bend.b});
+  }
   moduli_.clear();
   axial_.clear();
   if (has_winches(world)) {
@@ -346,8 +351,8 @@ void MaterialForces::add_drag(const double* positions, const double* velocities,
   }
 }
 
-void MaterialForces::flow_past(std::size_t drag, double speed) {
-  drags_[drag].length = rest_[drags_[drag].a];
+void MaterialForces::flow_past(std::size_t drag, double length, double speed) {
+  drags_[drag].length = length;
   drags_[drag].flow = speed;
 }
 
@@ -368,7 +373,7 @@ void MaterialForces::pay_out(std::size_t stretch, double rest, double rate) {
 
 void MaterialForces::bend_over_lengths(std::size_t first, std::size_t end) {
   for (std::size_t i = first; i < end; ++i) {
-    lengths_[i] = {rest_[bends_[i].a], rest_[bends_[i].b]};
+    lengths_[i] = {rest_[bent_links_[i].before], rest_[bent_links_[i].behind]};
     bends_[i].stiffness = moduli_[i] / bent_length(i);
   }
 }

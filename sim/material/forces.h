@@ -98,8 +98,8 @@ class MaterialForces {
   void set_rest(std::uint32_t point, double rest) { rest_[point] = rest; }
   /// gives a link that stretches another rest length (m), which grows at a rate (m/s);
   void pay_out(std::size_t stretch, double rest, double rate);
-  /// lets a link that meets the air have that of its first point, and its material a flow (m/s);
-  void flow_past(std::size_t drag, double speed);
+  /// gives a link that meets the air another length (m), and its material a flow (m/s);
+  void flow_past(std::size_t drag, double length, double speed);
   /// gives the bends from `first` until `end` the stiffness of their lengths.
   void bend_over_lengths(std::size_t first, std::size_t end);
   /// The two edges that an element bends, and their rates.
@@ -169,6 +169,11 @@ class MaterialForces {
   bool any_ = false;
   Vec3 wind_ = Vec3::Zero();
   std::vector<StretchElement> stretches_;
+  /// The links before and behind the middle of a bend, by their first points.
+  struct BentLinks {
+    std::uint32_t before = 0, behind = 0;
+  };
+  std::vector<BentLinks> bent_links_;
   struct Axial {
     double stiffness = 0, damping = 0;  // N, N s: of a unit of length
   };

@@ -161,7 +161,7 @@ MethodInfo springs_method() {
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
-      .abilities = {Features::all() - kPulleyFeatures -
+      .abilities = {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
                         Features{Feature::span, Feature::clamp_on_body},
                     {
                         {Feature::winch, kContactFeatures | Feature::strings},

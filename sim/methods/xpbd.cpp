@@ -222,7 +222,7 @@ MethodInfo xpbd_method() {
       },
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
-      .abilities = {Features::all() - kPulleyFeatures -
+      .abilities = {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
                         Features{Feature::span, Feature::clamp_on_body},
                     {
                         {Feature::winch, Feature::friction,

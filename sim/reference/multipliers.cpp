@@ -228,7 +228,7 @@ MethodInfo truth_method() {
             return std::make_unique<Multipliers>(settings);
           },
           .reference = true,
-          .abilities = {Features::all() - kConnectorContact -
+          .abilities = {Features::all() - Feature::joint_in_flow - kConnectorContact -
                             Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body},
                         {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
                          {kReelFeatures, kContactFeatures | Feature::strings},

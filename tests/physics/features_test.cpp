@@ -50,7 +50,7 @@ class Maker {
       if (features.has(feature(f))) add(feature(f));
     }
     // What divides ropes comes last, once masses and holds are known.
-    if (!(features & kReelFeatures).empty()) add_reels();
+    if (!(features & (kReelFeatures | Feature::joint_in_flow)).empty()) add_reels();
     finish(world_);
     if (features.has(Feature::pin)) {
       Interventions interventions;
@@ -219,6 +219,10 @@ class Maker {
         world_.joints.push_back({{{ring, 0}, {ring, 4}}});
         return;
       }
+      case Feature::joint_in_flow: {
+        if (!features_.has(Feature::joint)) add(Feature::joint);
+        return;  // with a winch, which add_reels() gives
+      }
       case Feature::span: {
         Connector cord = straight_connector("cord", 0.3, 0, 2, Vec3(-0.6, 0, 0), -Vec3::UnitY());
         cord.model = ConnectorModel::span;
@@ -254,7 +258,7 @@ class Maker {
                  features_.has(Feature::sheave) ? 0.05 : 0);
       if (features_.has(Feature::pulley_friction)) world_.pulleys[0].friction = 0.1;
     }
-    if (features_.has(Feature::winch)) {
+    if (features_.has(Feature::winch) || features_.has(Feature::joint_in_flow)) {
       const std::size_t reeled = rope().winch ? add_rope("hoist", 1) : 0;
       add_winches(world_, world_.connectors[reeled], path(Vec3(0.1, 0, 0)), nullptr);
     }

@@ -21,7 +21,7 @@ using direct::Integrator;
 /// Features that only the implicit step follows together.
 const Abilities& abilities_without_implicit_step() {
   static const Abilities abilities{
-      Features::all() - Feature::clamp_on_body,
+      Features::all() - Features{Feature::clamp_on_body, Feature::joint_in_flow},
       {
           {kMaterialFeatures -
                Features{Feature::bending_damping, Feature::taper, Feature::material_on_body},
@@ -29,6 +29,7 @@ const Abilities& abilities_without_implicit_step() {
           {kMaterialFeatures | kJointFeatures, Feature::strings},
           {kJointFeatures | kReelFeatures, kContactFeatures},
           {kReelFeatures, Features{Feature::strings, Feature::span, Feature::stretch}},
+          {kReelFeatures, kJointFeatures, {}, Apart::Within::connector},
           {kJointFeatures | Features{Feature::material_on_body, Feature::hinge} | kContactFeatures |
                Feature::strings,
            Feature::span},
@@ -394,13 +395,12 @@ MethodInfo direct_method() {
         options.step = number(settings, "step");
         return std::make_unique<Direct>(options);
       },
-      .abilities =
-          {Features::all(),
-           {
-               {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
-               {kReelFeatures, Feature::span, {}, Apart::Within::connector},
-               {kReelFeatures, kJointFeatures | kUnlikeReels, {}, Apart::Within::connector},
-           }},
+      .abilities = {Features::all() - Feature::joint_in_flow,
+                    {
+                        {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
+                        {kReelFeatures, Feature::span, {}, Apart::Within::connector},
+                        {kReelFeatures, kUnlikeReels, {}, Apart::Within::connector},
+                    }},
       .parts_go_on = true,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {

@@ -456,5 +456,48 @@ TEST(Winch, StifferRopesComeNearToRigidOnes) {
   EXPECT_LT(before, 1e-3);
 }
 
+/// A hoist at whose end two slings carry loads, straight down or spread.
+World slung(double degrees) {
+  World world = hoist(6, degrees);
+  const Vec3 hook = world.connectors[0].position.back();
+  for (const double side : {-1.0, 1.0}) {
+    Connector sling = straight_connector(side < 0 ? "left" : "right", 0.4, 0.05, 4, hook,
+                                         worlds::from_down(degrees == 0 ? 0 : degrees + 40 * side));
+    sling.particle_mass.back() += 0.2;
+    world.connectors.push_back(sling);
+  }
+  world.joints = {{{{0, 5}, {1, 0}, {2, 0}}}};
+  finish(world);
+  return world;
+}
+
+// Rope flows past no particle of the end that is joined.
+TEST(Winch, LiftsSlingsThatAreJoinedToItsEnd) {
+  Simulation straight(slung(0), make_method("direct", {{"tolerance", 1e-7}}));
+  for (const double time : {0.3, 0.8, 1.7}) {
+    straight.advance_to(time);
+    const World& world = straight.world();
+    const Winch& winch = *world.connectors[0].winch;
+    const double mass =
+        0.3 + 0.1 / 6 / 2 + winch.density * world.connectors[0].length + 2 * (0.2 + 0.05);
+    const double expected = mass * (kGravity - winch.paid_out(0, time).acceleration);
+    EXPECT_NEAR(winch_tension(world, 0, 0), expected, 1e-6 * expected) << time;
+  }
+  Simulation spread(slung(30), make_method("direct", {{"tolerance", 1e-6}}));
+  const double start = energy(spread.world());
+  double work = 0;
+  constexpr int kIntervals = 400;
+  for (int i = 0; i <= kIntervals; ++i) {
+    spread.advance_to(i * 2e-3);
+    const World& now = spread.world();
+    const Winch& winch = *now.connectors[0].winch;
+    const double rate = winch.paid_out(0, now.time).rate;
+    const double power = (winch.density * rate * rate / 2 - winch_tension(now, 0, 0)) * rate;
+    work += power * 2e-3 / 3 * (i == 0 || i == kIntervals ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  EXPECT_GT(std::abs(work), 0.1);
+  EXPECT_NEAR(energy(spread.world()) - start, work, 1e-5 * std::abs(work));
+}
+
 }  // namespace
 }  // namespace taut::winch_test

@@ -116,8 +116,8 @@ TEST_F(WinchScene, SaysWhatIsWrong) {
   expect(scene(held("[{ t = 0.0 }]")), "one of: paid_out, speed");
   expect(scene(held(kKeys), "free = true", "links = \"pull\"", "truth"),
          "winch: the method truth does not follow winches together with strings");
-  expect(scene(held(kKeys), "free = true", "axial_stiffness = 0.1"),
-         "winch: the method direct does not follow winches together with stretch "
+  expect(scene(held(kKeys), "free = true", "axial_stiffness = 0.1", "truth"),
+         "winch: the method truth does not follow winches together with stretch "
          "(connectors.rope.axial_stiffness, line");
   expect(scene(held(kKeys), "free = true", "look = \"chain\""), "look of a chain");
   expect(scene(held(kKeys), "free = true", "repeat = [{ count = 2, by = [1, 0, 0] }]"), "copies");
