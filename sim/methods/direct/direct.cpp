@@ -37,6 +37,30 @@ const Abilities& abilities_without_implicit_step() {
   return abilities;
 }
 
+/// Whether rigid links with a material are at their full length between two places of a connector
+/// that are held: they cannot move, and tensions there are not determined.
+bool has_locked_materials(const World& world) {
+  constexpr double kSlack = 1e-9;
+  for (const Connector& connector : world.connectors) {
+    if (connector.sections.empty() || connector.stretches()) continue;
+    std::vector<char> held(connector.particles(), 0);
+    for (const Hold& hold : connector.holds) held[hold.particle] = 1;
+    std::size_t last = connector.particles();
+    double length = 0;
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (i > 0) length += connector.rest[i - 1];
+      if (held[i] == 0) continue;
+      if (last < i) {
+        const double apart = (connector.position[i] - connector.position[last]).norm();
+        if (apart >= (1 - kSlack) * length) return true;
+      }
+      last = i;
+      length = 0;
+    }
+  }
+  return false;
+}
+
 /// The state that advance() leaves in the world is where the next call goes on; a change of the
 /// world between two calls starts the method afresh.
 class Direct : public LinkMethod {
@@ -46,7 +70,8 @@ class Direct : public LinkMethod {
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
       require("direct", world);
-      is_combined_ = find_refusal(abilities_without_implicit_step(), world).has_value();
+      is_combined_ = find_refusal(abilities_without_implicit_step(), world).has_value() ||
+                     has_locked_materials(world);
     }
     if (options_.step > 0) step_count(until - world.time, options_.step);  // throws
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it

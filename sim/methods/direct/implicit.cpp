@@ -180,7 +180,7 @@ Attempt Implicit::attempt(double time, double h, double) {
     counters_.solves = step_.factorisations();
     // As long as a jam lasts, steps with less friction become longer from one to the next.
     if (friction_ < 1) made.least = 2 * jam_;
-    if (made.solved || made.event < kNever || h > jam_) return made;
+    if (made.solved || made.event < kNever || h > jam_ || runs_through_) return made;
     // Shorter steps have no solution either: this one goes with less friction.
     if (friction_ == 0) give_up(time);
     friction_ = friction_ > kLeastFriction ? friction_ / 2 : 0;
@@ -192,6 +192,7 @@ Attempt Implicit::attempt(double time, double h, double) {
 /// The two halves, and the whole for what they err by.
 Attempt Implicit::try_step(double h) {
   Attempt made;
+  runs_through_ = false;
   const auto arrives = [&](double reached) {
     made.event = std::max(reached + step_.arrival(), 0.01 * h);
     return made;
@@ -233,6 +234,7 @@ Attempt Implicit::try_step(double h) {
                      kRunThrough);
     }
     made.solved = false;
+    runs_through_ = true;
   }
   return made;
 }

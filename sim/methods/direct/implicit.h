@@ -55,9 +55,10 @@ class Implicit : public Stepping {
   StepState middle_, end_, whole_, within_;
   std::vector<double> shown_, loaded_;  // the state that advance() left in the world; found there
   double length_ = 1, shortest_ = 1, touching_ = 0;
-  double order_ = 0;     // of the last estimate
-  double friction_ = 1;  // share of it, in the present step
-  double jam_ = 0;       // s: steps no longer than that go with less friction if they have to
+  double order_ = 0;           // of the last estimate
+  double friction_ = 1;        // share of it, in the present step
+  bool runs_through_ = false;  // the last step tried lets rope run through a pulley
+  double jam_ = 0;             // s: steps no longer than that go with less friction if they have to
 };
 
 }  // namespace taut::direct

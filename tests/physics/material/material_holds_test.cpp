@@ -197,5 +197,22 @@ TEST(MaterialHolds, TheSameBitsTwice) {
   EXPECT_EQ(first.connectors[0].position, second.connectors[0].position);
 }
 
+// The part of a rope between two places at its full length cannot move; the rest hangs on.
+TEST(MaterialHolds, RopeThatIsHeldAtItsFullLengthStays) {
+  World world = worlds::chain(9, 1, worlds::from_down(0), 0.1);
+  Connector& rope = world.connectors[0];
+  Section section;
+  section.bending_damping = 1e-6;
+  rope.sections.assign(rope.links(), section);
+  rope.holds.push_back({5, worlds::fixed_at(rope.position[5])});
+  for (const int i : {6, 7, 8}) rope.velocity[std::size_t(i)] = 0.1 * (i - 5) * Vec3::UnitX();
+  finish(world);
+  const World end = material_worlds::after(world, 0.3, 1e-4);
+  for (std::size_t i = 0; i <= 5; ++i) {
+    EXPECT_LT((end.connectors[0].position[i] - rope.position[i]).norm(), 1e-9) << i;
+  }
+  EXPECT_GT(std::abs(end.connectors[0].position[8].x()), 0.01);
+}
+
 }  // namespace
 }  // namespace taut::material_holds_test

@@ -311,6 +311,18 @@ TEST(Pulley, RopePassesBesideObstaclesAsWithoutThem) {
   }
 }
 
+TEST(Pulley, RopeThatHasRunThroughIsToldBesideObstacles) {
+  try {
+    after(over_a_floor(atwood({.left_mass = 1, .right_mass = 2})), 2, "direct", {});
+    ADD_FAILURE();
+  } catch (const Diverged& told) {
+    EXPECT_EQ(told.connector, "left");
+    EXPECT_NEAR(told.time, std::sqrt(2 * 0.792 / (kGravity / 3)), 0.01);
+    EXPECT_NE(std::string(told.what()).find("has run through its pulley"), std::string::npos)
+        << told.what();
+  }
+}
+
 // A rope on a table is drawn over its edge by a weight: M q'' = (m + density x) g - friction
 // density y g, of x that hang and y that lie. The half of a link at the eye is not on the table.
 TEST(Pulley, RopeSlidesOffATable) {
