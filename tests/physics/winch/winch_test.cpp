@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -169,24 +170,31 @@ TEST(Winch, DrumPullsWithWhatItsLoadWeighsAndHowThatIsAccelerated) {
   }
 }
 
-// The winch's work, and the kinetic energy with which rope comes out of it: all by Simpson's rule
-// over intervals of 2 ms, whose error is below 1e-9 J here.
+/// The work (J) of the first rope's winch, and the kinetic energy with which rope comes out of it,
+/// by Simpson's rule over an even number of intervals (s). A unit of rope of the axial `stiffness`
+/// (N) carries the energy T^2 / (2 EA).
+double winch_work(Simulation& simulation, int intervals, double interval,
+                  double stiffness = std::numeric_limits<double>::infinity()) {
+  double work = 0;
+  for (int i = 0; i <= intervals; ++i) {
+    simulation.advance_to(i * interval);
+    const World& now = simulation.world();
+    const Winch& winch = *now.connectors[0].winch;
+    const double rate = winch.paid_out(0, now.time).rate, pull = winch_tension(now, 0, 0);
+    const double carried = pull + pull * pull / (2 * stiffness);
+    const double power = (winch.density * rate * rate / 2 - carried) * rate;
+    work += power * interval / 3 * (i == 0 || i == intervals ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  return work;
+}
+
+// Simpson's rule errs by less than 1e-9 J here.
 TEST(Winch, WorkIsTheEnergyGained) {
   for (const World& world : {hoist(9, 40), stiff(9)}) {
     Simulation simulation(world, make_method("direct", {{"tolerance", 1e-9}}));
-    const double start = energy(world);
-    double work = 0;
-    constexpr int kIntervals = 1500;
-    for (int i = 0; i <= kIntervals; ++i) {
-      simulation.advance_to(i * 1e-3);
-      const World& now = simulation.world();
-      const Winch& winch = *now.connectors[0].winch;
-      const double rate = winch.paid_out(0, now.time).rate;
-      const double power = (winch.density * rate * rate / 2 - winch_tension(now, 0, 0)) * rate;
-      work += power * 1e-3 / 3 * (i == 0 || i == kIntervals ? 1 : i % 2 == 1 ? 4 : 2);
-    }
+    const double work = winch_work(simulation, 1500, 1e-3);
     EXPECT_GT(std::abs(work), 0.1);
-    EXPECT_NEAR(energy(simulation.world()) - start, work, 1e-7 * std::abs(work));
+    EXPECT_NEAR(energy(simulation.world()) - energy(world), work, 1e-7 * std::abs(work));
   }
 }
 
@@ -426,20 +434,8 @@ TEST(Winch, LiftsALoadOnARopeThatStretches) {
 TEST(Winch, ElasticRopeGainsTheWorkOfItsWinch) {
   constexpr double kStiffness = 60;
   const World start = elastic(6, kStiffness);
-  const Winch& winch = *start.connectors[0].winch;
-  double work = 0, last = 0;
   Simulation simulation(start, make_method("direct", {{"tolerance", 1e-6}}));
-  const int frames = 400;
-  const double gap = 0.8 / frames;
-  for (int i = 0; i <= frames; ++i) {
-    simulation.advance_to(gap * i);
-    const World& now = simulation.world();
-    const double rate = winch.paid_out(0, gap * i).rate, pull = winch_tension(now, 0, 0);
-    const double carried = pull + pull * pull / (2 * kStiffness);
-    const double power = (winch.density * rate * rate / 2 - carried) * rate;
-    if (i > 0) work += gap * (power + last) / 2;
-    last = power;
-  }
+  const double work = winch_work(simulation, 400, 2e-3, kStiffness);
   EXPECT_NEAR(energy(simulation.world()) - energy(start), work, 1e-5 * energy_scale(start));
   EXPECT_GT(std::abs(work), 0.01);
 }
@@ -483,20 +479,11 @@ TEST(Winch, LiftsSlingsThatAreJoinedToItsEnd) {
     const double expected = mass * (kGravity - winch.paid_out(0, time).acceleration);
     EXPECT_NEAR(winch_tension(world, 0, 0), expected, 1e-6 * expected) << time;
   }
-  Simulation spread(slung(30), make_method("direct", {{"tolerance", 1e-6}}));
-  const double start = energy(spread.world());
-  double work = 0;
-  constexpr int kIntervals = 400;
-  for (int i = 0; i <= kIntervals; ++i) {
-    spread.advance_to(i * 2e-3);
-    const World& now = spread.world();
-    const Winch& winch = *now.connectors[0].winch;
-    const double rate = winch.paid_out(0, now.time).rate;
-    const double power = (winch.density * rate * rate / 2 - winch_tension(now, 0, 0)) * rate;
-    work += power * 2e-3 / 3 * (i == 0 || i == kIntervals ? 1 : i % 2 == 1 ? 4 : 2);
-  }
+  const World start = slung(30);
+  Simulation spread(start, make_method("direct", {{"tolerance", 1e-6}}));
+  const double work = winch_work(spread, 400, 2e-3);
   EXPECT_GT(std::abs(work), 0.1);
-  EXPECT_NEAR(energy(spread.world()) - start, work, 1e-5 * std::abs(work));
+  EXPECT_NEAR(energy(spread.world()) - energy(start), work, 1e-5 * std::abs(work));
 }
 
 }  // namespace
