@@ -190,6 +190,32 @@ void look_at_beads(const World& world, std::vector<std::string>& warnings) {
   }
 }
 
+/// Rigid links push. A drum that pays out while its load stands on an obstacle folds the rope.
+void look_at_winches(const World& world, double until, std::vector<std::string>& warnings) {
+  constexpr int kTimes = 1000;
+  const auto pays_out = [&](const Winch& winch) {
+    for (int i = 0; i <= kTimes; ++i) {
+      if (winch.longer(until * i / kTimes).rate > 1e-9) return true;
+    }
+    return false;
+  };
+  const auto may_land = [&](const Hold& hold) {
+    if (hold.to.kind != Attachment::Kind::body) return false;
+    const Body& body = world.bodies[hold.to.body];
+    const auto touches = [&](const Obstacle& at) { return at.touches(body.capsule.category); };
+    return !body.driven() && body.capsule.touches() &&
+           std::ranges::any_of(world.obstacles, touches);
+  };
+  for (const Connector& connector : world.connectors) {
+    if (!connector.winch || connector.pulls || connector.stretches()) continue;
+    if (std::ranges::none_of(connector.holds, may_land) || !pays_out(*connector.winch)) continue;
+    warnings.push_back(fmt::format(
+        "connector {} has links that push and a winch that pays out; when its load lands, they "
+        "fold at any speed: links = \"pull\" lets the rope go slack",
+        connector.name));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Scene& scene, double seconds,
@@ -203,6 +229,7 @@ std::vector<std::string> warnings_of(const Scene& scene, double seconds,
   }
   look_at_connectors(scene.world, warnings);
   look_at_beads(scene.world, warnings);
+  look_at_winches(scene.world, scene.duration, warnings);
   if (!scene.stage) return warnings;
   std::ranges::copy(left_out(*scene.stage), std::back_inserter(warnings));
   look_at_hands(scene, warnings);

@@ -313,6 +313,38 @@ TEST_F(ObstacleScene, AMasslessSpanMayHangOverAFloor) {
   EXPECT_NE(message.find("together with"), std::string::npos) << message;
 }
 
+TEST_F(ObstacleScene, AWinchThatPushesALandedLoadIsTold) {
+  const auto warnings = [&](const std::string& links, double paid_out) {
+    const std::string scene =
+        R"(
+duration = 2.0
+[obstacles.floor]
+shape = { plane = {} }
+[connectors.rope]
+length = 1.0
+mass = 0.1
+particles = 6
+radius = 0.01
+)" + links +
+        "\nfrom = { fixed = [0, 1.6, 0], winch = [{ t = 0, paid_out = 0 }, { t = 1, paid_out = " +
+        std::to_string(paid_out) + R"( }] }
+to = { body = "crate", point = [0, 0.1, 0] }
+start = { direction = [0, -1, 0] }
+[bodies.crate]
+mass = 2.0
+shape = { sphere = { diameter = 0.2 } }
+hangs = [0, -1, 0]
+contact = {}
+)";
+    return scenes::warnings_of(read(scene), 1, [] {});
+  };
+  const std::vector<std::string> found = warnings("", 0.7);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("connector rope has links that push"), std::string::npos) << found[0];
+  EXPECT_TRUE(warnings("links = \"pull\"", 0.7).empty());
+  EXPECT_TRUE(warnings("", -0.3).empty());
+}
+
 TEST_F(ObstacleScene, TooFewBeadsAreToldWithHowManyWouldDo) {
   const std::string post =
       "[obstacles.post]\nshape = { capsule = { length = 1, diameter = 0.02 } }\n"
