@@ -209,7 +209,7 @@ void Mechanism::add_winches(const World& world) {
         const auto& links = material_.stretches();
         added.first_stretch =
             index(links, std::ranges::find(links, small(c), &material::StretchElement::connector));
-        added.strain.assign(connector.links(), 1.0);
+        added.squared_stretch.assign(connector.links(), 1.0);
       } else {
         added.first_row = index(rows_, std::ranges::find(rows_, small(c), &Row::connector));
       }
@@ -731,7 +731,8 @@ double Mechanism::paid_pull(std::size_t stretch, const double* state) const {
   const Vec3 gap = vector(state + position(link.b)) - vector(state + position(link.a));
   const Vec3 gap_rate = vector(state + velocity(link.b)) - vector(state + velocity(link.a));
   const double length = gap.norm(), elastic = link.stiffness * (length - link.rest);
-  const double rate = gap.dot(gap_rate) / length - length / link.rest * link.rest_rate;
+  const double along = length > 0 ? gap.dot(gap_rate) / length : 0;
+  const double rate = along - length / link.rest * link.rest_rate;
   return elastic * (1 + elastic / (2 * link.stiffness * link.rest)) +
          length / link.rest * link.damping * rate;
 }
@@ -950,7 +951,7 @@ double Mechanism::flow_inertia(const Winched& at, std::size_t end, std::size_t o
   double sum = 0;
   for (std::size_t k = 0; k < at.winch->rest.size(); ++k) {
     double half = at.winch->density / 2 * rest_of(at, k);
-    if (at.first_stretch) half *= at.strain[k];
+    if (at.first_stretch) half *= at.squared_stretch[k];
     for (const std::size_t i : {k, k + 1}) {
       sum += half * flow_share(*at.winch, end, i) * flow_share(*at.winch, other, i);
     }
@@ -960,9 +961,10 @@ double Mechanism::flow_inertia(const Winched& at, std::size_t end, std::size_t o
 
 void Mechanism::find_passing(const double* state) {
   for (Winched& at : winches_) {
-    for (std::size_t k = 0; k < at.strain.size(); ++k) {
+    for (std::size_t k = 0; k < at.squared_stretch.size(); ++k) {
       const double* from = state + position(at.first_point + k);
-      at.strain[k] = (vector(from + 3) - vector(from)).squaredNorm() / std::pow(rest_of(at, k), 2);
+      at.squared_stretch[k] =
+          (vector(from + 3) - vector(from)).squaredNorm() / std::pow(rest_of(at, k), 2);
     }
   }
   for (Passing& pulley : pulleys_) find_flow(pulley, state);

@@ -145,6 +145,14 @@ class Mechanism {
     const std::uint32_t first = winches_[end.winched].first_point;
     for (std::uint32_t i = 0; i < end.force.size(); ++i) visit(first + i, end.force[i]);
   }
+  /// Whether a point is of the rope before or behind a pulley.
+  bool is_at_pulley(std::size_t pulley, std::uint32_t point) const {
+    const auto holds = [&](const RopeEnd& end) {
+      const std::uint32_t first = winches_[end.winched].first_point;
+      return point >= first && point - first < end.force.size();
+    };
+    return holds(pulleys_[pulley].end[0]) || holds(pulleys_[pulley].end[1]);
+  }
   /// The mass (kg) in a pulley's equation against the acceleration of `other`: all of it, or that
   /// of half the sheave and the rope before it.
   double passing_mass(std::size_t pulley, std::size_t other, bool before) const;
@@ -275,7 +283,7 @@ class Mechanism {
     std::uint32_t connector = 0, first_point = 0;
     std::uint32_t first_row = 0;                      // of rigid links
     std::optional<std::uint32_t> first_stretch = {};  // of links that stretch
-    std::vector<double> strain = {};  // per link that stretches: (length / rest length)^2
+    std::vector<double> squared_stretch = {};  // per link that stretches: (length / rest length)^2
     std::optional<std::uint32_t> first_drag = {};  // where it meets the air
     std::uint32_t first_bend = 0, bends_end = 0;   // where it resists bending
     PaidOut first = {}, last = {}, longer = {};    // at the instant of the last place()

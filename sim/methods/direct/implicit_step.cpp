@@ -127,12 +127,14 @@ void ImplicitStep::rebuild(const World& world) {
   for (std::uint32_t k = 0; k < stretches.size(); ++k) {
     add({.a = stretches[k].a, .b = stretches[k].b, .soft = true, .row = k});
   }
-  passing_.clear();
+  links_at_pulleys_.clear();
   for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
-    if (coupling.share != 0) passing_.push_back({coupling.row, coupling.pulley, coupling.share});
+    if (coupling.share != 0)
+      links_at_pulleys_.push_back({coupling.row, coupling.pulley, coupling.share});
   }
   for (const Mechanism::SoftCoupling& coupling : mechanism_.soft_couplings()) {
-    passing_.push_back({small(rows.size()) + coupling.stretch, coupling.pulley, coupling.share});
+    links_at_pulleys_.push_back(
+        {small(rows.size()) + coupling.stretch, coupling.pulley, coupling.share});
   }
   stiffest_ = 0;
   for (const material::BendElement& bend : mechanism_.material().bends()) {
@@ -433,9 +435,9 @@ void ImplicitStep::scale(const Problem& problem) {
   }
   for (std::size_t p = 0; p < pulley_.size(); ++p) {
     pulley_mass_[p] = mechanism_.passing_mass(p, p, false);
-    for (const Passing& passing : passing_) {
-      if (passing.pulley != p) continue;
-      pulley_mass_[p] = std::max(pulley_mass_[p], links_[passing.link].inertia);
+    for (const LinkAtPulley& at_pulley : links_at_pulleys_) {
+      if (at_pulley.pulley != p) continue;
+      pulley_mass_[p] = std::max(pulley_mass_[p], links_[at_pulley.link].inertia);
     }
     row_scale_[pulley_[p]] = 1 / (pulley_mass_[p] * problem.inertia);
   }
@@ -756,13 +758,8 @@ Vec3 ImplicitStep::moves(const Relative& of, std::span<const double> by) const {
 /// Whether a candidate is at rope that passes a pulley.
 bool ImplicitStep::flows_at(const Candidate& of, std::size_t pulley) const {
   if (of.body != kHeld) return false;
-  bool flows = false;
-  for (const std::size_t side : {0u, 1u}) {
-    mechanism_.each_passing(pulley, side, [&](std::uint32_t point, const Vec3&) {
-      flows = flows || point == of.a || (of.is_at_rope() && point == of.c);
-    });
-  }
-  return flows;
+  return mechanism_.is_at_pulley(pulley, of.a) ||
+         (of.is_at_rope() && mechanism_.is_at_pulley(pulley, of.c));
 }
 
 ImplicitStep::FlowBy ImplicitStep::flow_by(std::size_t pulley, std::size_t c) const {
@@ -807,18 +804,19 @@ void ImplicitStep::find_balance(const Problem& problem, std::size_t p, double& b
       if (side == 0) before += takes;
     });
   }
-  for (const Passing& passing : passing_) {
-    if (passing.pulley != p) continue;
-    const Link& link = links_[passing.link];
-    const double tension = unknown_[first_link_ + passing.link];
-    double pull = passing.share * tension;
+  for (const LinkAtPulley& at_pulley : links_at_pulleys_) {
+    if (at_pulley.pulley != p) continue;
+    const Link& link = links_[at_pulley.link];
+    const double tension = unknown_[first_link_ + at_pulley.link];
+    double pull = at_pulley.share * tension;
     if (link.soft && problem.forces) {  // and the energy that a unit of length carries away
       const auto& stretch = mechanism_.material().stretches()[link.row];
       pull *= 1 + tension / (2 * stretch.stiffness * stretch.rest);
-      pull += passing.share * by_rest_[passing.link] * stretch.damping * soft_rate_[passing.link];
+      pull +=
+          at_pulley.share * by_rest_[at_pulley.link] * stretch.damping * soft_rate_[at_pulley.link];
     }
     balance -= pull;
-    if (passing.share < 0) before -= pull;
+    if (at_pulley.share < 0) before -= pull;
   }
   if (problem.forces) {
     balance -= mechanism_.passing_drive(p, state_.data(), own_acceleration_);
@@ -869,8 +867,8 @@ ImplicitStep::PulleyLaw ImplicitStep::find_law(const Problem& problem, std::size
   return {Slip::backwards, behind > 0 ? 1 + excess : 1, behind > 0 ? -excess : 0};
 }
 
-/// The rows of pulleys, and what their rope's passing does to lengths, points and contacts. After
-/// the rest.
+/// Assembles the rows of pulleys, and their columns in the rows of links, points and contacts. Call
+/// it last: it adds to rows that the others write.
 void ImplicitStep::assemble_pulleys(const Problem& problem) {
   if (pulley_.empty()) return;
   mechanism_.find_passing(state_.data());
@@ -913,16 +911,16 @@ void ImplicitStep::assemble_pulleys(const Problem& problem) {
         column(at, moved, -problem.inertia * force);
       });
     }
-    for (const Passing& passing : passing_) {
-      if (passing.pulley != p) continue;
-      const std::size_t link = first_link_ + passing.link;
-      const double by = passing.share * by_rest_[passing.link];
-      const double shortens = -by * by_rate_[passing.link];
+    for (const LinkAtPulley& at_pulley : links_at_pulleys_) {
+      if (at_pulley.pulley != p) continue;
+      const std::size_t link = first_link_ + at_pulley.link;
+      const double by = at_pulley.share * by_rest_[at_pulley.link];
+      const double shortens = -by * by_rate_[at_pulley.link];
       if (projects) residual_[link] += shortens * unknown_[at];
-      const double drives = -by * (law.all + (passing.share < 0 ? law.before : 0));
+      const double drives = -by * (law.all + (at_pulley.share < 0 ? law.before : 0));
       entry(link, at, shortens);
       entry(at, link, drives);
-      const Link& of = links_[passing.link];
+      const Link& of = links_[at_pulley.link];
       if (!of.soft || !problem.forces) continue;
       const double damping = mechanism_.material().stretches()[of.row].damping;
       if (damping == 0) continue;
@@ -1518,10 +1516,10 @@ double ImplicitStep::distance(const StepState& one, const StepState& other, doub
     residual_[first_link_ + k] =
         inertia * direction(link).dot(moves(relative(link.a, link.b), moved_));
   }
-  for (const Passing& passing : passing_) {
-    if (links_[passing.link].soft || on_[passing.link] == 0) continue;
-    residual_[first_link_ + passing.link] -=
-        inertia * passing.share * moved_[pulley_[passing.pulley]];
+  for (const LinkAtPulley& at_pulley : links_at_pulleys_) {
+    if (links_[at_pulley.link].soft || on_[at_pulley.link] == 0) continue;
+    residual_[first_link_ + at_pulley.link] -=
+        inertia * at_pulley.share * moved_[pulley_[at_pulley.pulley]];
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Candidate& of = touches_.candidates()[contacts_[c].candidate];

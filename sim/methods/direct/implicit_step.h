@@ -111,7 +111,7 @@ class ImplicitStep {
     }
   };
   /// A link of a rope that passes a pulley, and its share of what passes.
-  struct Passing {
+  struct LinkAtPulley {
     std::uint32_t link = 0, pulley = 0;
     double share = 0;
   };
@@ -164,7 +164,8 @@ class ImplicitStep {
   void assemble_twists(const Problem& problem);
   void assemble_links(const Problem& problem, double kappa);
   void assemble_contacts(const Problem& problem, double kappa);
-  /// The equations of two shares of a pulley's row: all that drives it, and the pull before it.
+  /// A pulley's row: `all` times its balance, and `before` times the pull before it, both as
+  /// find_balance() has them.
   struct PulleyLaw {
     Mechanism::Slip slip = Mechanism::Slip::free;
     double all = 1, before = 0;
@@ -229,13 +230,13 @@ class ImplicitStep {
   bool assembles_ = true;                          // the matrix as well as the residual
   bool reuses_ = false;                            // the matrix of the stage before, to begin with
   std::vector<Link> links_;
-  std::vector<std::uint32_t> node_;           // per point: its first unknown, or kNone
-  std::vector<std::uint32_t> carried_;        // per point: of body_points(), or kNone
-  std::vector<std::uint32_t> body_;           // per free body: its first unknown
-  std::vector<std::uint32_t> pulley_;         // per pulley: its unknown, the speed
-  std::vector<Passing> passing_;              // by pulleys
-  std::vector<PulleyLaw> pulley_law_;         // of the last assembly
-  std::vector<Mechanism::Slip> slip_before_;  // of Newton's last correction
+  std::vector<std::uint32_t> node_;             // per point: its first unknown, or kNone
+  std::vector<std::uint32_t> carried_;          // per point: of body_points(), or kNone
+  std::vector<std::uint32_t> body_;             // per free body: its first unknown
+  std::vector<std::uint32_t> pulley_;           // per pulley: its unknown, the speed
+  std::vector<LinkAtPulley> links_at_pulleys_;  // by pulleys
+  std::vector<PulleyLaw> pulley_law_;           // of the last assembly
+  std::vector<Mechanism::Slip> slip_before_;    // of Newton's last correction
   std::vector<double> pulley_mass_;     // kg, of that assembly: what a pulley's row is scaled by
   std::vector<Vec3> own_acceleration_;  // per point, m/s^2: without changes of velocities
   std::vector<double> change_;          // of the unknown velocities, per second
