@@ -1698,9 +1698,11 @@ void ImplicitStep::keep_contacts(StepState& to) {
     const Vec3 v = touches_.passing(mechanism_, contact.candidate, at, to.state.data());
     const Vec3 was = contact.slip;
     contact.slip = v - at.normal.dot(v) * at.normal;
-    const bool slid = !was.isZero(0), rests = contact.slip.norm() <= lowest_slip_;
-    if (rests) contact.slip.setZero();
     const Candidate& of = touches_.candidates()[contact.candidate];
+    // Where there is no friction it does not matter.
+    const bool slid = !was.isZero(0);
+    const bool rests = of.stick == 0 || contact.slip.norm() <= lowest_slip_;
+    if (rests) contact.slip.setZero();
     const double push = std::max(contact.force.dot(at.normal), 0.0);
     const double pull = (contact.force - contact.force.dot(at.normal) * at.normal).norm();
     if (!rests) {
