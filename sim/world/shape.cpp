@@ -38,7 +38,7 @@ SurfaceDistance from_box(const Vec3& half, double rounding, const Vec3& point) {
 }
 
 SurfaceDistance from_cylinder(const Shape& shape, const Vec3& point) {
-  const double from_axis = std::hypot(point.x(), point.z());
+  const double from_axis = std::sqrt(point.x() * point.x() + point.z() * point.z());
   const Vec3 out =
       from_axis > 0 ? Vec3(point.x() / from_axis, 0, point.z() / from_axis) : Vec3(Vec3::UnitX());
   Eigen::Vector2d direction;

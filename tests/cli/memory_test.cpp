@@ -35,9 +35,9 @@ class Memory : public testing::Test {
     EXPECT_EQ(status, 0);
     return 1024.0 * double(usage.ru_maxrss);
   }
-  double said(const std::string& scene, int threads = 1) const {
-    const ProgramResult checked =
-        run_taut({"check", scene, "--threads", std::to_string(threads), "--json"}, folder_.path());
+  double said(const std::string& scene, int threads = 1, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"check", scene, "--threads", std::to_string(threads), "--json"});
+    const ProgramResult checked = run_taut(more, folder_.path());
     return nlohmann::json::parse(checked.output).at("render").at("memory_bytes");
   }
 
@@ -76,10 +76,14 @@ camera = [{{ t = 0, position = [0, 0.9, 3], target = [0, 0.8, 0] }}]
 /// A thousand cords, and a stage behind an open lens.
 TEST_F(Memory, LargeScenesAreDrawnByTwoThreadsInHalfAGigabyte) {
   constexpr int kThreads = 2;
-  for (const auto& [name, frames] :
-       {std::pair("bead_curtain", "--frames=42-43"), {"nunchaku", "--frames=840-841"}}) {
+  struct Case {
+    std::string name, frames, size;
+  };
+  for (const auto& [name, frames, size] :
+       {Case{"bead_curtain", "--frames=42-43", "--set=size=[1920,1080]"},
+        Case{"nunchaku", "--frames=12-13", "--set=size=[1280,720]"}}) {
     const std::string scene = fmt::format("{}/scenes/{}.toml", TAUT_SOURCE_DIR, name);
-    const double most = peak({scene, frames}, kThreads), told = said(scene, kThreads);
+    const double most = peak({scene, frames, size}, kThreads), told = said(scene, kThreads, {size});
     EXPECT_LT(most, 5e8) << name;
     EXPECT_LT(most, told) << name;
     EXPECT_GT(most, told / 2) << name;

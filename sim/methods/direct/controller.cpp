@@ -55,7 +55,7 @@ void Controller::follow(Stepping& stepper, double until, Counters& counters) {
       time_ = lands && h == left ? until : time_ + h;
       stepper.accept(time_);
       if (!watch_.count(time_) && !(fixed && h == options_.step)) stepper.give_up(time_);
-      learn(h, suited);
+      learn(h, attempt.may_grow ? suited : std::min(suited, h));
       step_ = std::max(step_, attempt.least);
     }
   }

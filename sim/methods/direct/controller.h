@@ -26,6 +26,7 @@ struct Attempt {
   double error = 0, limit = 0;  // m: the estimate, and what it may be
   double event = kNever;        // s after its start: where it has to end instead
   double least = 0;             // s: the next step is no shorter
+  bool may_grow = true;         // whether the next step may be longer, if the error is small
 };
 
 /// Something that takes single steps, on from a state of its own.

@@ -36,6 +36,7 @@ void Implicit::rebuild(const World& world) {
   built_ = true;
   topology_ = world.topology;
   step_.rebuild(world);
+  rate_.clear();
   length_ = length_scale(world);
   shortest_ = length_;
   for (const Connector& connector : world.connectors) {
@@ -166,7 +167,14 @@ double Implicit::first_step() const {
 }
 
 double Implicit::longest_step(double) {
-  return kConstants.longest_driven / options_.finer;
+  return std::min(kConstants.longest_driven / options_.finer, arrival_ahead());
+}
+
+/// s, until something is expected to arrive: a step that ends there need not be done again.
+double Implicit::arrival_ahead() {
+  constexpr double kBriefly = 0.01;  // of the last step: what is nearer is left to the step
+  const double ahead = step_.next_arrival(now_, rate_, touching_);
+  return ahead > kBriefly * (now_.time - from_.time) ? ahead : kNever;
 }
 
 bool Implicit::lands(double, double) const {
@@ -220,6 +228,7 @@ Attempt Implicit::try_step(double h) {
     made.error = std::min(raw, step_.distance(end_, whole_, time) / share);
     made.limit = same ? allowed_error(h) : allowed_change();
     order_ = same ? kOrderOfHalves + 1 : 2;
+    made.may_grow = same;  // steps without changes have a smaller limit
     made.error =
         std::max(made.error, raw * made.limit / (kConstants.passed_over * options_.tolerance));
     made.solved = !(made.error <= made.limit);
@@ -244,6 +253,7 @@ void Implicit::accept(double time) {
   step_.accept();
   std::swap(from_, now_);
   std::swap(now_, end_);
+  if (!now_.rate.empty()) rate_ = now_.rate;
   if (friction_ < 1) {
     friction_ = 1;
     step_.set_friction_share(friction_);

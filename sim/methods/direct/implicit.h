@@ -38,6 +38,7 @@ class Implicit : public Stepping {
   void rebuild(const World& world);
   Attempt try_step(double h);
   const StepState& at(double time);
+  double arrival_ahead();
   double allowed_error(double h) const;
   double allowed_change() const;
   double size(const StepState& one, const StepState& other, double time) const;
@@ -53,6 +54,7 @@ class Implicit : public Stepping {
   ImplicitStep step_;
   StepState from_, now_;  // where the last step began, and ended: at or beyond the shown time
   StepState middle_, end_, whole_, within_;
+  std::vector<double> rate_;  // of the last step that ended without an impact, as StepState has it
   std::vector<double> shown_, loaded_;  // the state that advance() left in the world; found there
   double length_ = 1, shortest_ = 1, touching_ = 0;
   double order_ = 0;           // of the last estimate

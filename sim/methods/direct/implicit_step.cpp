@@ -281,7 +281,7 @@ void ImplicitStep::turn_normal(const Problem& problem, std::size_t c, const Mat3
   const Meeting& at = meetings_[c];
   const std::size_t first = first_contact_ + 3 * c;
   const Relative gap = relative(of, at);
-  const Mat3 bends = touches_.curvature(mechanism_, contacts_[c].candidate, at, state_.data());
+  const Mat3 bends = touches_.curvature(contacts_[c].candidate, at);
   std::array<Slide, 2> slide;
   const auto count = static_cast<std::size_t>(slides(of, at, slide));
   std::array<Vec3, 2> rolls;
@@ -346,12 +346,9 @@ void ImplicitStep::block(const Relative& row, const Relative& column, const Mat3
   for (const Handle& r : row.all()) {
     for (const Handle& c : column.all()) {
       const Mat3 own = r.weight * c.weight * value;
+      // Velocities are not scaled, and rows of three alike.
       const auto put = [&](std::size_t i, std::size_t j, const Mat3& m) {
-        for (std::size_t x = 0; x < 3; ++x) {
-          for (std::size_t y = 0; y < 3; ++y) {
-            entry(i + x, j + y, m(static_cast<int>(x), static_cast<int>(y)));
-          }
-        }
+        system_->add(i, j, m * row_scale_[i]);
       };
       put(r.at, c.at, own);
       if (c.body) put(r.at, c.at + 3, -own * cross_matrix(c.arm));
@@ -367,9 +364,9 @@ void ImplicitStep::row(std::size_t index, const Relative& column, const Vec3& va
   if (!assembles_) return;
   for (const Handle& c : column.all()) {
     const Vec3 own = c.weight * value;
-    const Vec3 turned = c.arm.cross(own);
     for (std::size_t x = 0; x < 3; ++x) entry(index, c.at + x, own[static_cast<int>(x)]);
     if (!c.body) continue;
+    const Vec3 turned = c.arm.cross(own);
     for (std::size_t x = 0; x < 3; ++x) entry(index, c.at + 3 + x, turned[static_cast<int>(x)]);
   }
 }
@@ -379,9 +376,9 @@ void ImplicitStep::column(std::size_t index, const Relative& row, const Vec3& va
   if (!assembles_) return;
   for (const Handle& r : row.all()) {
     const Vec3 own = r.weight * value;
-    const Vec3 turned = r.arm.cross(own);
     for (std::size_t x = 0; x < 3; ++x) entry(r.at + x, index, own[static_cast<int>(x)]);
     if (!r.body) continue;
+    const Vec3 turned = r.arm.cross(own);
     for (std::size_t x = 0; x < 3; ++x) entry(r.at + 3 + x, index, turned[static_cast<int>(x)]);
   }
 }
@@ -1962,6 +1959,45 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
     const double length = before.norm();
     const double rate = before.dot(apart(from, &Mechanism::velocity)) / std::max(length, 1e-300);
     note(rest - length, -rate, apart(to, &Mechanism::position).norm() - rest);
+  }
+  return first;
+}
+
+double ImplicitStep::next_arrival(const StepState& from, std::span<const double> rate,
+                                  double touching) {
+  double first = std::numeric_limits<double>::infinity();
+  const auto note = [&](double open, double speed, double acceleration) {
+    const double root = speed * speed - 2 * acceleration * open;
+    if (open <= touching || root < 0) return;
+    const double falls = std::sqrt(root) - speed;
+    if (falls > 0) first = std::min(first, 2 * open / falls);
+  };
+  state_ = from.state;
+  mechanism_.place_and_measure(from.time, state_.data());
+  touches_.place(*world_, from.time);
+  for (const std::uint32_t i : touches_.near()) {
+    const Candidate& of = touches_.candidates()[i];
+    const Meeting at = touches_.meet(mechanism_, i, state_.data());
+    if (at.gap <= touching || !touches_.is_distinct(mechanism_, i, state_.data())) continue;
+    const Vec3 passes = touches_.passing(mechanism_, i, at, state_.data());
+    const Vec3 change = rate.empty() ? Vec3(Vec3::Zero()) : moves(relative(of, at), rate);
+    note(at.gap, at.normal.dot(passes), at.normal.dot(change));
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    if (!links_[k].pulls || from.taut[k] != 0) continue;
+    const auto apart = [&](std::size_t (Mechanism::*of)(std::size_t) const) {
+      return Vec3(vec(&state_[(mechanism_.*of)(links_[k].b)]) -
+                  vec(&state_[(mechanism_.*of)(links_[k].a)]));
+    };
+    const Vec3 way = apart(&Mechanism::position), passes = apart(&Mechanism::velocity);
+    const double length = way.norm();
+    if (length == 0) continue;
+    const double speed = way.dot(passes) / length;
+    double change = (passes.squaredNorm() - speed * speed) / length;
+    if (!rate.empty()) {
+      change += way.dot(moves(relative(links_[k].a, links_[k].b), rate)) / length;
+    }
+    note(mechanism_.rows()[links_[k].row].rest - length, -speed, -change);
   }
   return first;
 }

@@ -76,6 +76,9 @@ class ImplicitStep {
   /// Richardson's extrapolation stays stable for undamped oscillations of any frequency.
   void extrapolate(double share, StepState& one) const;
   double arrival() const { return arrival_; }  // s after the start, estimated
+  /// When (s, from now) the first of all that is apart by more than `touching` (m) arrives, if
+  /// unknown velocities go on changing at `rate` (1/s, none: empty). Infinite where nothing does.
+  double next_arrival(const StepState& from, std::span<const double> rate, double touching);
 
   /// Steps go with that share of friction: jammed contacts may have no solution with all of it
   /// (Painleve, Sur les lois du frottement de glissement, Comptes Rendus 121, 1895).

@@ -4,11 +4,114 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/methods/direct/system/vector.h"
+
 namespace taut::direct {
 namespace {
 
 /// A band wider than that goes to the sparse factorisation, which keeps zeros.
 constexpr std::size_t kWidest = 96;
+/// A diagonal entry stays pivot unless another of its column is so many times as large.
+constexpr double kSmallPivot = 0.1;
+
+struct Band {
+  std::size_t n = 0, below = 0, height = 0;
+  double* values = nullptr;
+  std::uint32_t* pivots = nullptr;
+  std::size_t above = 0;  // entries of a column of the upper factor, without the diagonal
+};
+
+/// By columns. Loops have the length `below`, a multiple of kLanes: what is beyond the last row is
+/// zero.
+template <std::size_t kBelow>
+[[gnu::always_inline]] inline bool factorise(Band& band) {
+  const std::size_t below = kBelow > 0 ? kBelow : band.below, diagonal = 2 * below;
+  const std::size_t n = band.n, height = band.height;
+  std::size_t reach = 0;  // the last column that row swaps have filled
+  band.above = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    double* __restrict column = band.values + j * height + diagonal;
+    const double own = std::abs(column[0]), most = largest(below, column + 1);
+    std::size_t pivot = 0;
+    if (!(own >= kSmallPivot * most)) {
+      for (std::size_t i = 1; pivot == 0 && i <= below; ++i) {
+        if (std::abs(column[i]) == most) pivot = i;
+      }
+    }
+    if (!(std::max(own, most) > 0)) return false;
+    band.pivots[j] = static_cast<std::uint32_t>(j + pivot);
+    reach = std::max(reach, std::min(j + below + pivot, n - 1));
+    band.above = std::max(band.above, reach - j);
+    if (pivot > 0) {
+      for (std::size_t k = j; k <= reach; ++k) {
+        double* at = band.values + k * height + diagonal + j - k;
+        std::swap(at[0], at[pivot]);
+      }
+    }
+    column[0] = 1 / column[0];
+    for (std::size_t i = 1; i <= below; ++i) column[i] *= column[0];
+    for (std::size_t k = j + 1; k <= reach; ++k) {
+      double* __restrict at = band.values + k * height + diagonal + j - k;
+      const double factor = at[0];
+      if (factor == 0) continue;
+      for (std::size_t i = 1; i <= below; ++i) at[i] -= factor * column[i];
+    }
+  }
+  return true;
+}
+
+/// Replaces the right side by the solution. Before and behind it there are zeros.
+template <std::size_t kBelow>
+[[gnu::always_inline]] inline void solve(const Band& band, double* __restrict right) {
+  const std::size_t below = kBelow > 0 ? kBelow : band.below, diagonal = 2 * below;
+  const std::size_t n = band.n, height = band.height, above = band.above;
+  for (std::size_t j = 0; j < n; ++j) {
+    std::swap(right[j], right[band.pivots[j]]);
+    const double value = right[j];
+    if (value == 0) continue;
+    const double* __restrict column = band.values + j * height + diagonal;
+    double* __restrict at = right + j;
+    for (std::size_t i = 1; i <= below; ++i) at[i] -= value * column[i];
+  }
+  for (std::size_t j = n; j-- > 0;) {
+    const double* __restrict column = band.values + j * height + diagonal;
+    const double value = right[j] *= column[0];
+    if (value == 0) continue;
+    double* __restrict at = right + j - above;
+    column -= above;
+    for (std::size_t i = 0; i < above; ++i) at[i] -= value * column[i];
+  }
+}
+
+TAUT_VECTOR_CLONES bool factorise_any(Band& band) {
+  switch (band.below) {
+    case 8:
+      return factorise<8>(band);
+    case 12:
+      return factorise<12>(band);
+    case 16:
+      return factorise<16>(band);
+    case 20:
+      return factorise<20>(band);
+    default:
+      return factorise<0>(band);
+  }
+}
+
+TAUT_VECTOR_CLONES void solve_any(const Band& band, double* right) {
+  switch (band.below) {
+    case 8:
+      return solve<8>(band, right);
+    case 12:
+      return solve<12>(band, right);
+    case 16:
+      return solve<16>(band, right);
+    case 20:
+      return solve<20>(band, right);
+    default:
+      return solve<0>(band, right);
+  }
+}
 
 }  // namespace
 
@@ -43,12 +146,18 @@ void SparseSystem::order() {
     edges.emplace_back(a, b);
     edges.emplace_back(b, a);
   }
-  std::ranges::sort(edges);
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   std::vector<std::uint32_t> first(count + 1, 0);
   for (const auto& edge : edges) ++first[edge.first + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
-  const auto degree = [&](std::uint32_t g) { return first[g + 1] - first[g]; };
+  std::vector<std::uint32_t> neighbours(edges.size()), end(first.begin(), first.end() - 1);
+  for (const auto& edge : edges) neighbours[end[edge.first]++] = edge.second;
+  for (std::size_t g = 0; g < count; ++g) {  // each once
+    const auto begin = neighbours.begin() + first[g];
+    std::sort(begin, neighbours.begin() + end[g]);
+    end[g] = static_cast<std::uint32_t>(std::unique(begin, neighbours.begin() + end[g]) -
+                                        neighbours.begin());
+  }
+  const auto degree = [&](std::uint32_t g) { return end[g] - first[g]; };
   constexpr std::uint32_t kUnseen = 0xffffffff;
   std::vector<std::uint32_t> level(count, kUnseen), queue;
   /// Appends the component of `from` in breadth-first order; neighbours of low degree first.
@@ -59,8 +168,8 @@ void SparseSystem::order() {
     for (std::size_t i = begin; i < found.size(); ++i) {
       const std::uint32_t at = found[i];
       const std::size_t added = found.size();
-      for (std::uint32_t e = first[at]; e < first[at + 1]; ++e) {
-        const std::uint32_t next = edges[e].second;
+      for (std::uint32_t e = first[at]; e < end[at]; ++e) {
+        const std::uint32_t next = neighbours[e];
         if (level[next] != kUnseen) continue;
         level[next] = level[at] + 1;
         found.push_back(next);
@@ -106,6 +215,7 @@ void SparseSystem::analyse() {
   banded_ = below_ <= kWidest;
   slots_.resize(places_.size());
   if (banded_) {
+    below_ = std::max((below_ + kLanes - 1) / kLanes * kLanes, 2 * kLanes);
     height_ = 3 * below_ + 1;  // pivoting fills as much again above
     values_.assign(n * height_, 0.0);
     for (std::size_t k = 0; k < places_.size(); ++k) {
@@ -133,7 +243,7 @@ void SparseSystem::analyse() {
   }
   for (std::size_t k = 0; k < places_.size(); ++k) values_[slots_[k]] += recorded_[k];
   recording_ = false;
-  work_.resize(n);
+  if (banded_) work_.assign(n + 3 * below_, 0.0);
 }
 
 bool SparseSystem::factorise() {
@@ -146,71 +256,28 @@ bool SparseSystem::factorise() {
   return sparse_.info() == Eigen::Success;
 }
 
-/// By columns, with row pivoting, as LAPACK's dgbtrf does it: the entry (i, j) stands in column j
-/// at 2 below + i - j.
+/// The factors stand as LAPACK's dgbtrf has them: the entry (i, j) in column j at 2 below + i - j,
+/// with the inverses of the diagonal.
 bool SparseSystem::factorise_band() {
-  const std::size_t n = size(), kl = below_, diagonal = 2 * below_;
-  std::size_t reach = 0;  // the last column that row swaps have filled
-  for (std::size_t j = 0; j < n; ++j) {
-    double* column = &values_[j * height_] + diagonal;
-    const std::size_t rows = std::min(kl, n - 1 - j);
-    std::size_t pivot = 0;
-    double most = std::abs(column[0]);
-    for (std::size_t i = 1; i <= rows; ++i) {
-      if (std::abs(column[i]) > most) {
-        most = std::abs(column[i]);
-        pivot = i;
-      }
-    }
-    if (!(most > 0)) return false;
-    pivots_[j] = static_cast<std::uint32_t>(j + pivot);
-    reach = std::max(reach, std::min(j + kl + pivot, n - 1));
-    if (pivot > 0) {
-      for (std::size_t k = j; k <= reach; ++k) {
-        double* at = &values_[k * height_] + diagonal + j - k;
-        std::swap(at[0], at[pivot]);
-      }
-    }
-    const double inverse = 1 / column[0];
-    for (std::size_t i = 1; i <= rows; ++i) column[i] *= inverse;
-    for (std::size_t k = j + 1; k <= reach; ++k) {
-      double* at = &values_[k * height_] + diagonal + j - k;
-      const double factor = at[0];
-      if (factor == 0) continue;
-      for (std::size_t i = 1; i <= rows; ++i) at[i] -= factor * column[i];
-    }
-  }
+  Band band{size(), below_, height_, values_.data(), pivots_.data()};
+  if (!factorise_any(band)) return false;
+  above_ = (band.above + kLanes - 1) / kLanes * kLanes;
   return true;
 }
 
 void SparseSystem::solve_band() {
-  const std::size_t n = size(), kl = below_, diagonal = 2 * below_;
-  double* __restrict work = work_.data();
-  const double* __restrict values = values_.data();
-  for (std::size_t j = 0; j < n; ++j) {
-    std::swap(work[j], work[pivots_[j]]);
-    const double value = work[j];
-    if (value == 0) continue;
-    const double* column = values + j * height_ + diagonal;
-    const std::size_t rows = std::min(kl, n - 1 - j);
-    for (std::size_t i = 1; i <= rows; ++i) work[j + i] -= value * column[i];
-  }
-  for (std::size_t j = n; j-- > 0;) {
-    work[j] /= values[j * height_ + diagonal];
-    const double value = work[j];
-    if (value == 0) continue;
-    const std::size_t above = std::min(2 * kl, j), first = j - above;
-    const double* column = values + j * height_ + diagonal - above;
-    for (std::size_t i = 0; i < above; ++i) work[first + i] -= value * column[i];
-  }
+  Band band{size(), below_, height_, values_.data(), pivots_.data()};
+  band.above = above_;
+  solve_any(band, work_.data() + 2 * below_);
 }
 
 void SparseSystem::solve(std::span<double> right) {
   if (size() == 0) return;
   if (banded_) {
-    for (std::size_t u = 0; u < size(); ++u) work_[position_[u]] = right[u];
+    double* work = work_.data() + 2 * below_;
+    for (std::size_t u = 0; u < size(); ++u) work[position_[u]] = right[u];
     solve_band();
-    for (std::size_t u = 0; u < size(); ++u) right[u] = work_[position_[u]];
+    for (std::size_t u = 0; u < size(); ++u) right[u] = work[position_[u]];
     return;
   }
   Eigen::Map<Eigen::VectorXd> at(right.data(), static_cast<Eigen::Index>(right.size()));

@@ -28,6 +28,14 @@ class SparseSystem {
     }
     values_[slots_[next_++]] += value;
   }
+  /// Adds nine entries: those of `block` from a row and a column on.
+  void add(std::size_t row, std::size_t column, const Eigen::Matrix3d& block) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        add(row + i, column + j, block(static_cast<int>(i), static_cast<int>(j)));
+      }
+    }
+  }
   /// Factorises what was added since clear(). False where the matrix is singular to rounding.
   bool factorise();
   /// Replaces the right side by the solution.
@@ -53,9 +61,10 @@ class SparseSystem {
   std::size_t next_ = 0;
   std::vector<std::uint32_t> position_;  // of an unknown, in the order of elimination
   std::vector<double> values_;           // of the band by columns, or of the sparse matrix
-  std::size_t below_ = 0, height_ = 0;   // of the band: entries below the diagonal, of a column
+  // Of the band: entries below the diagonal, of a column, and above it in the factors.
+  std::size_t below_ = 0, height_ = 0, above_ = 0;
   std::vector<std::uint32_t> pivots_;
-  std::vector<double> work_;
+  std::vector<double> work_;  // a right side between zeros
   bool banded_ = true;
   Eigen::SparseMatrix<double> matrix_;
   Eigen::SparseLU<Eigen::SparseMatrix<double>> sparse_;

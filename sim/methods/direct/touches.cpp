@@ -31,6 +31,7 @@ void Touches::rebuild(const World& world, const Mechanism& mechanism) {
   known_.clear();
   within_ = -1;
   frames_.resize(world.obstacles.size());
+  turns_.resize(world.obstacles.size());
   std::uint32_t first = 0;
   const auto is_free = [&](std::uint32_t point) { return mechanism.inverse_mass()[point] != 0; };
   std::vector<char> carried(mechanism.points());
@@ -250,7 +251,17 @@ Meeting Touches::meet_links(const Mechanism& mechanism, const Candidate& of,
 }
 
 void Touches::place(const World& world, double time) {
-  for (std::size_t o = 0; o < frames_.size(); ++o) frames_[o] = world.obstacles[o].frame(time);
+  for (std::size_t o = 0; o < frames_.size(); ++o) {
+    frames_[o] = world.obstacles[o].frame(time);
+    turns_[o] = frames_[o].rotation.toRotationMatrix();
+  }
+}
+
+Touches::Axes Touches::axes_of(const Mechanism& mechanism, const Candidate& of,
+                               const double* state) const {
+  if (of.obstacle != Candidate::kNone) return {frames_[of.obstacle].position, turns_[of.obstacle]};
+  const Pose frame = frame_of(mechanism, of, state);
+  return {frame.position, frame.rotation.toRotationMatrix()};
 }
 
 Pose Touches::frame_of(const Mechanism& mechanism, const Candidate& of, const double* state) const {
@@ -286,28 +297,28 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
   const Candidate& of = candidates_[candidate];
   if (of.is_at_rope()) return meet_links(mechanism, of, state);
   Meeting at;
-  const Pose frame = frame_of(mechanism, of, state);
+  const Axes axes = axes_of(mechanism, of, state);
   Vec3 axis;  // the point of the axis, or the bead's centre
   if (of.is_bead()) {
     axis = PartOf(state + mechanism.position(of.a));
-    at.local = frame.rotation.conjugate() * (axis - frame.position);
+    at.local = axes.turn.transpose() * (axis - axes.origin);
     const SurfaceDistance near = of.shape.from(at.local);
     at.gap = near.distance - of.radius;
-    at.normal = frame.rotation * near.normal;
+    at.normal = axes.turn * near.normal;
   } else {
     const contact::Capsule capsule = capsule_of(mechanism, of, state);
-    const auto near = contact::gap_at(of.shape, frame, capsule, of.spot);
+    const auto near = contact::gap_at(of.shape, frame_of(mechanism, of, state), capsule, of.spot);
     at.gap = near.distance;
     at.normal = near.normal;
     axis = capsule.at(near.along);
-    at.local = frame.rotation.conjugate() * (axis - frame.position);
+    at.local = axes.turn.transpose() * (axis - axes.origin);
     if (of.body != Candidate::kNone) {
       at.arm = axis - of.radius * at.normal - PartOf(state + mechanism.pose(of.body));
     } else {
       at.share = near.along;
     }
   }
-  at.turn = frame.rotation;
+  at.turn = axes.turn;
   if (of.obstacle != Candidate::kNone) {
     const FrameMotion& moves = frames_[of.obstacle];
     at.surface = moves.velocity + moves.spin.cross(axis - moves.position);
@@ -317,16 +328,14 @@ Meeting Touches::meet(const Mechanism& mechanism, std::size_t candidate,
   return at;
 }
 
-Mat3 Touches::curvature(const Mechanism& mechanism, std::size_t candidate, const Meeting& at,
-                        const double* state) const {
+Mat3 Touches::curvature(std::size_t candidate, const Meeting& at) const {
   const Candidate& of = candidates_[candidate];
   if (of.is_at_rope()) {
     return (Mat3::Identity() - at.normal * at.normal.transpose()) / (at.gap + of.radius);
   }
-  const Mat3 turn = frame_of(mechanism, of, state).rotation.toRotationMatrix();
   Mat3 by;
   for (int k = 0; k < 3; ++k) {
-    by.col(k) = turn * of.shape.normal_rate(at.local, turn.row(k).transpose());
+    by.col(k) = at.turn * of.shape.normal_rate(at.local, at.turn.row(k).transpose());
   }
   return by;
 }

@@ -43,7 +43,7 @@ struct Meeting {
   Vec3 arm = Vec3::Zero();        // m, from the body's centre of mass to the touching point
   Vec3 other_arm = Vec3::Zero();  // m, the same of the other body
   Vec3 local = Vec3::Zero();  // m, of the bead's centre or the capsule's axis, in the shape's axes
-  Quat turn = Quat::Identity();  // of those axes
+  Mat3 turn = Mat3::Identity();  // from those axes
   Vec3 surface = Vec3::Zero();   // m/s, of an obstacle there
 };
 
@@ -73,8 +73,7 @@ class Touches {
   /// Where a candidate is in a placed state of the mechanism.
   Meeting meet(const Mechanism& mechanism, std::size_t candidate, const double* state) const;
   /// How the normal changes with the point (1/m); of two links, with one past the other.
-  Mat3 curvature(const Mechanism& mechanism, std::size_t candidate, const Meeting& at,
-                 const double* state) const;
+  Mat3 curvature(std::size_t candidate, const Meeting& at) const;
   /// The axis (m) of a capsule, from one end to the other; of a bead 0.
   Vec3 axis(const Mechanism& mechanism, const Candidate& of, const double* state) const;
   /// Whether the spot of a capsule is a point of its own there.
@@ -84,6 +83,12 @@ class Touches {
                const double* state) const;
 
  private:
+  /// The axes of what a candidate may touch, in the world's.
+  struct Axes {
+    Vec3 origin;  // m
+    Mat3 turn;
+  };
+  Axes axes_of(const Mechanism& mechanism, const Candidate& of, const double* state) const;
   Pose frame_of(const Mechanism& mechanism, const Candidate& of, const double* state) const;
   static contact::Capsule capsule_of(const Mechanism& mechanism, const Candidate& of,
                                      const double* state);
@@ -101,6 +106,7 @@ class Touches {
   std::size_t fixed_ = 0;            // of these, those of other than two links; they stand first
   std::vector<char> on_moving_;      // of these, whether at an obstacle that moves
   std::vector<FrameMotion> frames_;  // of the obstacles
+  std::vector<Mat3> turns_;          // their rotations
   contact::NearLinks links_;
   std::vector<ConnectorPair> rules_;
   std::vector<double> radius_;                // m, of each point's connector
