@@ -1025,6 +1025,18 @@ void ImplicitStep::assemble_twists(const Problem& problem) {
   }
 }
 
+/// Whether the new correction of velocities points where the last one did.
+bool ImplicitStep::goes_the_same_way() const {
+  constexpr double kStraight = 1e-3;
+  double along = 0, last = 0, next = 0;
+  for (std::size_t u = 0; u < first_link_; ++u) {
+    along += way_[u] * residual_[u];
+    last += way_[u] * way_[u];
+    next += residual_[u] * residual_[u];
+  }
+  return along > (1 - kStraight) * std::sqrt(last * next);
+}
+
 /// Newton's method; a factorised matrix serves as long as corrections fall fast. True once
 /// velocities err by less than `enough` (m/s).
 bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, double enough) {
@@ -1038,6 +1050,11 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   bool keeps = reuses_;
   reuses_ = false;
   std::ranges::fill(slip_before_, Mechanism::Slip::free);
+  // Where links are nearly at their full length between two places, corrections are a geometric
+  // series, whose sum is known after some. With a factor nearer to 1 than kLargest links are at
+  // their full length but for rounding, and stay.
+  constexpr double kSteady = 0.01, kLargest = 0.95;
+  double ratio_before = 0;
   for (int i = 0; i < most;) {
     check_stop();
     place_unknowns(problem);
@@ -1071,13 +1088,17 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
       most_by = std::max(most_by, std::abs(residual_[u]));
       if (!std::isfinite(residual_[u])) return false;
     }
-    if (!assembles_ && i > 1 && most_by > enough && most_by > kFast * fastest) {
+    const double ratio = i > 1 && part == 1 ? most_by / fastest : 1;
+    const bool steady = kappa < 0 && ratio < kLargest &&
+                        std::abs(ratio - ratio_before) < kSteady * ratio && goes_the_same_way();
+    if (!assembles_ && i > 1 && most_by > enough && most_by > kFast * fastest && !steady) {
       keeps = false;  // the matrix of another place serves no longer
       continue;
     }
     fastest = most_by;
+    ratio_before = ratio;
     if (i == 1 && kappa < 0) first_way_ = most_by;
-    part = fastest > longest ? longest / fastest : 1;
+    part = std::min(longest / fastest, steady ? 1 / (1 - ratio) : 1);
     way_.resize(unknowns_);
     for (std::size_t u = 0; u < unknowns_; ++u) {
       way_[u] = column_scale_[u] * residual_[u];
@@ -1085,7 +1106,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
     }
     for (std::size_t p = 0; p < pulley_.size(); ++p) slip_before_[p] = pulley_law_[p].slip;
     if (fastest <= enough) return true;
-    keeps = part == 1;
+    keeps = part >= 1;
   }
   return false;
 }

@@ -186,6 +186,7 @@ class ImplicitStep {
   Vec3 moves(const Relative& of, std::span<const double> by) const;
   void add_passing_difference(const StepState& one, const StepState& other);
   void solve_with_twists();
+  bool goes_the_same_way() const;
   bool iterate(const Problem& problem, double kappa, int most, double enough);
   void guess(double time, const std::vector<double>& rate);
   bool is_decided(double kappa) const;

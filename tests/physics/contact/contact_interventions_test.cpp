@@ -1,9 +1,11 @@
 // Every method refuses, in the same words, to let go of a bead inside of an obstacle.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "contact_worlds.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/method.h"
 
 namespace taut::contact_interventions_test {
@@ -70,6 +72,31 @@ TEST(ContactInterventions, APinThatIsTakenAwayInsideOfAnObstacle) {
                                          "bead is outside")
           << method;
     }
+  }
+}
+
+// The pin catches the middle of a rope that is straight, so that its upper half is at its full
+// length between two places and trembles. The lower half swings as it does without the ball, which
+// is near enough for implicit steps and touches nothing.
+TEST(ContactInterventions, APinAtFullLengthBesideABall) {
+  const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/pin.toml", false);
+  World beside = scene.world;
+  beside.connectors[0].radius = kRadius;
+  beside.obstacles = {obstacle(sphere_shape(0.05))};
+  beside.obstacles[0].place.position = Vec3(-0.065, 1.35, 0);
+  finish(beside);
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    const Settings settings{{"tolerance", tolerance}};
+    Simulation alone(scene.world, make_method("direct", settings), scene.timeline);
+    Simulation near(beside, make_method("direct", settings), scene.timeline);
+    for (Simulation* each : {&alone, &near}) each->advance_to(0.9);
+    double sum = 0;
+    const Connector &found = near.world().connectors[0], &known = alone.world().connectors[0];
+    const std::size_t pinned = found.particles() / 2;
+    for (std::size_t i = pinned; i < found.particles(); ++i) {
+      sum += (found.position[i] - known.position[i]).squaredNorm();
+    }
+    EXPECT_LT(std::sqrt(sum / double(found.particles() - pinned)), 2 * tolerance);
   }
 }
 
