@@ -248,7 +248,7 @@ class Direct : public LinkMethod {
       count_on(*joined_, [&] { joined_->advance(world, until); });
     } catch (const Diverged& stop) {
       // Links that fold through their full length may have no explicit step.
-      if (!stop.reason.starts_with("no step")) throw;
+      if (stop.reason == kRunThrough || stop.reason == material::kPressedTogether) throw;
       const std::exception_ptr first = std::current_exception();
       try {
         advance_implicit(world, until);

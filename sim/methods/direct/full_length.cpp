@@ -6,6 +6,8 @@
 #include <sstream>
 #include <utility>
 
+#include "sim/material/forces.h"
+
 namespace taut::direct {
 namespace {
 
@@ -31,36 +33,80 @@ double length_of(const Connector& connector, std::size_t first, std::size_t last
   return std::accumulate(at(first), at(last), 0.0);
 }
 
+std::string full_length(const World& world, const SpanRange& span, double time) {
+  const Connector& connector = world.connectors[span.connector];
+  const Hold* from = find_hold(connector, span.first);
+  const Hold* to = find_hold(connector, span.last);
+  if (!from || !to || !is_prescribed(world, from->to) || !is_prescribed(world, to->to)) return {};
+  const double length = length_of(connector, span.first, span.last);
+  const PointMotion a = hold_motion(world, from->to, time), b = hold_motion(world, to->to, time);
+  const Vec3 apart = b.position - a.position;
+  const bool full = apart.norm() > (1 - kNone) * length;
+  const bool folded =
+      apart.norm() < folded_length(connector, span.first, span.last) + kNone * length;
+  if (!full && !folded) return {};
+  const double separation_speed = (b.velocity - a.velocity).dot(apart.normalized());  // m/s
+  const double begin = length_of(connector, 0, span.first);
+  std::ostringstream line;
+  line << "the " << length << " m of it from " << begin << " m on are "
+       << (full ? "at full length" : "folded") << " between two places that are held, "
+       << apart.norm() << " m apart";
+  if (full ? separation_speed > 0 : separation_speed < 0) {
+    line << " and " << (full ? "parting" : "nearing") << " at " << std::abs(separation_speed)
+         << " m/s: no motion keeps the length";
+  } else {
+    line << ": they stop there by an impulse that links without stretch leave open";
+  }
+  return line.str();
+}
+
 }  // namespace
 
 std::string full_length(const World& world, const Component& part, double time) {
   for (const SpanRange& span : part.spans) {
-    const Connector& connector = world.connectors[span.connector];
-    const Hold* from = find_hold(connector, span.first);
-    const Hold* to = find_hold(connector, span.last);
-    if (!from || !to || !is_prescribed(world, from->to) || !is_prescribed(world, to->to)) continue;
-    const double length = length_of(connector, span.first, span.last);
-    const PointMotion a = hold_motion(world, from->to, time), b = hold_motion(world, to->to, time);
-    const Vec3 apart = b.position - a.position;
-    const bool full = apart.norm() > (1 - kNone) * length;
-    const bool folded =
-        apart.norm() < folded_length(connector, span.first, span.last) + kNone * length;
-    if (!full && !folded) continue;
-    const double separation_speed = (b.velocity - a.velocity).dot(apart.normalized());  // m/s
-    const double begin = length_of(connector, 0, span.first);
-    std::ostringstream line;
-    line << "the " << length << " m of it from " << begin << " m on are "
-         << (full ? "at full length" : "folded") << " between two places that are held, "
-         << apart.norm() << " m apart";
-    if (full ? separation_speed > 0 : separation_speed < 0) {
-      line << " and " << (full ? "parting" : "nearing") << " at " << std::abs(separation_speed)
-           << " m/s: no motion keeps the length";
-    } else {
-      line << ": they stop there by an impulse that links without stretch leave open";
-    }
-    return line.str();
+    std::string why = full_length(world, span, time);
+    if (!why.empty()) return why;
   }
   return {};
+}
+
+Diverged no_step(const World& world, const Mechanism& mechanism, const double* state, double time,
+                 std::uint64_t steps) {
+  const auto made = [&](std::size_t connector, std::size_t link, const std::string& why) {
+    return Diverged("direct", time, steps, world.connectors[connector].name, link, why);
+  };
+  const auto& stretches = mechanism.material().stretches();
+  if (const auto* pressed = material::pressed_together(stretches, state)) {
+    return made(pressed->connector, pressed->link, material::kPressedTogether);
+  }
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const auto& holds = world.connectors[c].holds;
+    for (std::size_t k = 1; !world.connectors[c].stretches() && k < holds.size(); ++k) {
+      const SpanRange span{c, holds[k - 1].particle, holds[k].particle};
+      const std::string why = full_length(world, span, time);
+      if (!why.empty()) return made(c, span.first, why);
+    }
+  }
+  std::size_t fastest = 0, link = 0, point = 0;
+  double most = -1;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    for (std::size_t i = 0; i < world.connectors[c].particles(); ++i, ++point) {
+      const double* v = state + mechanism.velocity(point);
+      const double speed = std::hypot(v[0], v[1], v[2]);
+      if (!(speed > most)) continue;
+      most = speed;
+      fastest = c;
+      link = std::min(i, world.connectors[c].links() - 1);
+    }
+  }
+  std::ostringstream why;
+  why << "no step is small enough for the tolerance: ";
+  if (mechanism.has_winches()) why << "a winch may take in what then whirls too fast, or ";
+  why << "the links may be at their full length between what holds them; the fastest particle "
+         "moves at "
+      << std::max(most, 0.0) << " m/s";
+  if (world.connectors.empty()) return {"direct", time, why.str()};
+  return made(fastest, link, why.str());
 }
 
 std::optional<LedAway> led_away(const World& world) {

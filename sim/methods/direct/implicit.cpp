@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/material/forces.h"
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/constants.h"
+#include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/system/system.h"
 #include "sim/motion/stop.h"
 
@@ -265,15 +265,7 @@ void Implicit::accept(double time) {
 }
 
 void Implicit::give_up(double time) {
-  const auto& stretches = step_.mechanism().material().stretches();
-  const std::string name = world_->connectors.empty() ? "" : world_->connectors.front().name;
-  if (const auto* pressed = material::pressed_together(stretches, now_.state.data())) {
-    throw Diverged("direct", time, counters_.steps, world_->connectors[pressed->connector].name,
-                   pressed->link, material::kPressedTogether);
-  }
-  throw Diverged("direct", time, counters_.steps, name, 0,
-                 "no step is small enough for the tolerance: the links may be at their full length "
-                 "between what holds them");
+  throw no_step(*world_, step_.mechanism(), now_.state.data(), time, counters_.steps);
 }
 
 }  // namespace taut::direct

@@ -1212,13 +1212,13 @@ bool ImplicitStep::solve(const Problem& problem) {
 /// bead over a floor.
 bool ImplicitStep::project(StepState& to, double touching) {
   const std::vector<double> start = to.state;
-  if (!project_places(to)) {
+  if (!project_places(to, 0)) {
     to.state = start;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       const Meeting at = touches_.meet(mechanism_, contacts_[c].candidate, to.state.data());
       law_[c] = at.gap < -touching ? kAtSurface : kFree;
     }
-    if (!project_places(to)) return false;
+    if (!project_places(to, touching)) return false;
   }
   mechanism_.place_and_measure(to.time, to.state.data());
   return true;
@@ -1252,7 +1252,8 @@ double ImplicitStep::held_rate(const Link& link) const {
   return apart.isZero(0) ? 0 : direction(link).dot(apart);
 }
 
-bool ImplicitStep::project_places(StepState& to) {
+/// Contacts that are deeper inside than `allowed` (m) are held at their surfaces, too.
+bool ImplicitStep::project_places(StepState& to, double allowed) {
   Problem problem{.law = Problem::Law::projection, .time = to.time};
   const auto& stretches = mechanism_.material().stretches();
   bool placed = false;
@@ -1283,7 +1284,7 @@ bool ImplicitStep::project_places(StepState& to) {
     }
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       const Meeting& at = meetings_[c];
-      if (law_[c] == kFree && at.gap < 0) {
+      if (law_[c] == kFree && at.gap < -allowed) {
         law_[c] = kAtSurface;
         same = false;
       }

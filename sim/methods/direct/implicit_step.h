@@ -195,7 +195,7 @@ class ImplicitStep {
   bool harden_friction(const Problem& problem, const std::vector<double>& start, double enough);
   bool solve(const Problem& problem);
   bool project(StepState& to, double touching);
-  bool project_places(StepState& to);
+  bool project_places(StepState& to, double allowed);
   bool project_velocities(StepState& to);
   void start_at(const StepState& from);
   void start_projection(const StepState& at, const Problem& problem);

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/material/forces.h"
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/constants.h"
+#include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/schemes/dop853.h"
 #include "sim/methods/direct/system/system.h"
 #include "sim/topology/span.h"
@@ -304,16 +304,7 @@ void Joined::accept(double time) {
 }
 
 void Joined::give_up(double time) {
-  const auto& stretches = mechanism_.material().stretches();
-  if (const auto* pressed = material::pressed_together(stretches, state_.data())) {
-    throw Diverged("direct", time, counters_.steps, world_->connectors[pressed->connector].name,
-                   pressed->link, material::kPressedTogether);
-  }
-  throw Diverged(
-      "direct", time, counters_.steps, world_->connectors.front().name, 0,
-      std::string("no step is small enough for the tolerance: ") +
-          (mechanism_.has_winches() ? "a winch may take in what then whirls too fast, or " : "") +
-          "the links may be at their full length between what holds them");
+  throw no_step(*world_, mechanism_, state_.data(), time, counters_.steps);
 }
 
 }  // namespace taut::direct
