@@ -48,7 +48,7 @@ void expect_as_accepted_with_short_vectors(std::vector<std::string> more) {
                                       "check",      kGoldens / "scenes",
                                       "--quiet"};
   command.insert(command.end(), more.begin(), more.end());
-  const ProgramResult outcome = Child(command, kGoldens).wait();
+  const ProgramResult outcome = Child(command, TAUT_SOURCE_DIR).wait();
   EXPECT_EQ(outcome.code, 0) << outcome.output << outcome.messages;
 }
 

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "contact_worlds.h"
+#include "scenes/load/load_scene.h"
 #include "sim/measure/measure.h"
 
 namespace taut::contact_test {
@@ -229,6 +230,17 @@ TEST(Contact, NothingNearChangesNothing) {
     ASSERT_EQ(alone.world().connectors[0].position, with.world().connectors[0].position) << frame;
     ASSERT_EQ(alone.world().connectors[0].velocity, with.world().connectors[0].velocity) << frame;
   }
+}
+
+// Links fall onto the plate of a scale one after the other: each step ends where the next one
+// arrives, so that none is done again.
+TEST(Contact, ArrivalsAreForetold) {
+  const scenes::Scene scene =
+      scenes::load_scene(TAUT_SOURCE_DIR "/scenes/contact/scale.toml", false);
+  Simulation simulation(scene.world, make_method("direct", {{"tolerance", 1e-3}}));
+  simulation.advance_to(0.6);
+  EXPECT_GT(simulation.method().counters().steps, 50u);
+  EXPECT_LT(10 * simulation.method().counters().rejected, simulation.method().counters().steps);
 }
 
 }  // namespace
