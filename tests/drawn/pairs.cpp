@@ -132,6 +132,10 @@ class Pair : Pieces {
     }
     if (has(Feature::strings)) line("links = \"pull\"");
     if (has(Feature::links_touch)) line("contact = \"links\"");
+    if (has(Feature::self_contact)) {
+      line("touches_itself = true");
+      if (has(Feature::friction)) line("friction = {}", dice_.scale(0.02, 1.5));
+    }
   }
 
   void add_things(double length) {
@@ -163,6 +167,15 @@ class Pair : Pieces {
       add_ball("right", length * Vec3(1.1, -0.4, -0.3), length);
       line("\n[touching.balls]\nbodies = [\"left\", \"right\"]\n{}{}",
            has(Feature::bead_pairs) ? "connectors = [\"rope\"]\n" : "", surface);
+    }
+    if (has(Feature::connector_pairs)) {  // a rope across the way of the first one
+      line(
+          "\n[connectors.across]\nlength = {}\nmass = {}\nparticles = {}\nradius = {}\nfrom = {{ "
+          "fixed = {} }}\nto = {}\nstart = {{ direction = [0, 0, 1] }}",
+          length, dice_.scale(1e-3, 1), 3 + dice_.pick(8), length * dice_.scale(2e-3, 2e-2),
+          text(length * Vec3(dice_.between(0.1, 0.3), -0.3, -0.5)),
+          chance(0.5) ? "{ free = true }" : "{ point_mass = 0.2 }");
+      line("\n[touching.ropes]\nconnectors = [\"rope\", \"across\"]\n{}", surface);
     }
     if (has(Feature::joint)) {
       line(
