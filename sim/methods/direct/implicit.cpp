@@ -170,9 +170,11 @@ double Implicit::longest_step(double) {
   return std::min(kConstants.longest_driven / options_.finer, arrival_ahead());
 }
 
-/// s, until something is expected to arrive: a step that ends there need not be done again.
+/// s, until something is expected to arrive: a step that ends there need not be done again. Fixed
+/// steps are cut only by what does arrive.
 double Implicit::arrival_ahead() {
   constexpr double kBriefly = 0.01;  // of the last step: what is nearer is left to the step
+  if (options_.step > 0) return kNever;
   const double ahead = step_.next_arrival(now_, rate_, touching_);
   return ahead > kBriefly * (now_.time - from_.time) ? ahead : kNever;
 }
