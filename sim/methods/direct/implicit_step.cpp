@@ -1051,8 +1051,8 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   reuses_ = false;
   std::ranges::fill(slip_before_, Mechanism::Slip::free);
   // Where links are nearly at their full length between two places, corrections are a geometric
-  // series, whose sum is known after some. With a factor nearer to 1 than kLargest links are at
-  // their full length but for rounding, and stay.
+  // series, whose sum follows from two of them. Links are at their full length but for rounding
+  // where the factor is above kLargest; they stay.
   constexpr double kSteady = 0.01, kLargest = 0.95;
   double ratio_before = 0;
   for (int i = 0; i < most;) {
@@ -1252,7 +1252,7 @@ double ImplicitStep::held_rate(const Link& link) const {
   return apart.isZero(0) ? 0 : direction(link).dot(apart);
 }
 
-/// Contacts that are deeper inside than `allowed` (m) are held at their surfaces, too.
+/// Also holds contacts at their surfaces that would be deeper inside than `allowed` (m).
 bool ImplicitStep::project_places(StepState& to, double allowed) {
   Problem problem{.law = Problem::Law::projection, .time = to.time};
   const auto& stretches = mechanism_.material().stretches();
@@ -1718,7 +1718,7 @@ void ImplicitStep::keep_contacts(StepState& to) {
     const Vec3 was = contact.slip;
     contact.slip = v - at.normal.dot(v) * at.normal;
     const Candidate& of = touches_.candidates()[contact.candidate];
-    // Where there is no friction it does not matter.
+    // Without friction a slip has no effect, and its turning round is no event.
     const bool slid = !was.isZero(0);
     const bool rests = of.stick == 0 || contact.slip.norm() <= lowest_slip_;
     if (rests) contact.slip.setZero();

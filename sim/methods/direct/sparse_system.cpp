@@ -11,7 +11,7 @@ namespace {
 
 /// A band wider than that goes to the sparse factorisation, which keeps zeros.
 constexpr std::size_t kWidest = 96;
-/// A diagonal entry stays pivot unless another of its column is so many times as large.
+/// Rows are swapped where the diagonal entry is below that share of the largest one of its column.
 constexpr double kSmallPivot = 0.1;
 
 struct Band {
@@ -21,8 +21,8 @@ struct Band {
   std::size_t above = 0;  // entries of a column of the upper factor, without the diagonal
 };
 
-/// By columns. Loops have the length `below`, a multiple of kLanes: what is beyond the last row is
-/// zero.
+/// LU by columns. Loops have the length `below`, a multiple of kLanes: entries beyond the last row
+/// are zero.
 template <std::size_t kBelow>
 [[gnu::always_inline]] inline bool factorise(Band& band) {
   const std::size_t below = kBelow > 0 ? kBelow : band.below, diagonal = 2 * below;
