@@ -1038,7 +1038,8 @@ bool ImplicitStep::goes_the_same_way() const {
 }
 
 /// Newton's method; a factorised matrix serves as long as corrections fall fast. True once
-/// velocities err by less than `enough` (m/s).
+/// velocities err by less than `enough` (m/s), or by roundings: light particles beside heavy bodies
+/// multiply these, and corrections end to fall.
 bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, double enough) {
   constexpr double kShortest = 1.0 / 64, kFast = 0.03;
   const double longest = problem.advance > 0 ? 0.5 * shortest_ / problem.advance
@@ -1055,6 +1056,8 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   // where the factor is above kLargest; they stay.
   constexpr double kSteady = 0.01, kLargest = 0.95;
   double ratio_before = 0;
+  constexpr double kMostRounding = 1e4;  // of `enough`
+  double last_new = last;                // the last correction by a matrix of its place
   for (int i = 0; i < most;) {
     check_stop();
     place_unknowns(problem);
@@ -1106,6 +1109,10 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
     }
     for (std::size_t p = 0; p < pulley_.size(); ++p) slip_before_[p] = pulley_law_[p].slip;
     if (fastest <= enough) return true;
+    if (assembles_) {
+      if (kappa <= 0 && fastest <= kMostRounding * enough && fastest >= last_new) return true;
+      last_new = fastest;
+    }
     keeps = part >= 1;
   }
   return false;

@@ -204,6 +204,41 @@ TEST(Together, ABodySlidesUpASlopeAndBack) {
   }
 }
 
+// A ball swings down on a rope, from level, and meets a smooth floor that stops it without a
+// bounce. On light strings it slides on as fast as it went along the floor. A straight chain of
+// rods is a strut: it stops the ball, but for as much as the rods buckle.
+TEST(Together, ABallOnALightRopeLandsAndSlides) {
+  constexpr double kLength = 0.5, kBall = 0.05, kDrop = 0.25, kSlides = 0.3;
+  constexpr int kParts = 1000;
+  const double turned = std::asin(kDrop / kLength);
+  double lands = 0;  // s: the integral of the angle over its rate, with the angle as a square
+  for (int i = 0; i < kParts; ++i) {
+    const double root = (i + 0.5) / kParts * std::sqrt(turned);
+    lands += 2 * root * std::sqrt(turned) / kParts /
+             std::sqrt(2 * worlds::kGravity / kLength * std::sin(root * root));
+  }
+  const double speed = std::sqrt(2 * worlds::kGravity * kDrop) * std::sin(turned);
+  for (const double share : {1e-4, 1e-5, 1e-6}) {
+    for (const bool pulls : {true, false}) {
+      World world;
+      Connector rope = straight_connector("rope", kLength, share, 11, Vec3::Zero(), Vec3::UnitX());
+      rope.pulls = pulls;
+      rope.holds = {{0, worlds::fixed_at(Vec3::Zero())}, {10, worlds::on_body(0, Vec3::Zero())}};
+      world.connectors = {rope};
+      world.bodies = {ball("ball", 1, kBall, kLength * Vec3::UnitX())};
+      world.obstacles = {floor_at(-kDrop - kBall)};
+      finish(world);
+      Simulation simulation = by_direct(world, 1e-3);
+      simulation.advance_to(lands + kSlides);
+      const Vec3 at = simulation.world().bodies[0].position;
+      const double landed = kLength * std::cos(turned), slid = landed - kSlides * speed;
+      EXPECT_NEAR(at.x(), slid, pulls ? 1e-3 : landed - slid) << share;
+      EXPECT_LT(energy(simulation.world()), energy(world));
+      EXPECT_NEAR(at.y(), -kDrop, 1e-3) << share;
+    }
+  }
+}
+
 /// A rope that bends, clamped to a free body at the origin, without gravity. It starts straight,
 /// with its tip thrown aside.
 World clamped_to_body(double mass, double inertia) {
