@@ -4,7 +4,6 @@
 #include <map>
 #include <numbers>
 #include <queue>
-#include <tuple>
 #include <utility>
 
 namespace taut::contact {
@@ -28,13 +27,13 @@ std::vector<std::uint32_t> nodes_of(const World& world) {
     for (const Joint::Particle& at : joint.particles) least = std::min(least, point(at));
     for (const Joint::Particle& at : joint.particles) node[point(at)] = least;
   }
-  std::map<std::tuple<double, double, double>, std::uint32_t> ends;
+  std::map<std::uint32_t, std::uint32_t> ends;
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
-    for (const std::size_t end : {std::size_t{0}, connector.particles() - 1}) {
-      const Vec3& at = connector.position[end];
-      std::uint32_t& own = node[first[c] + end];
-      own = ends.emplace(std::tuple(at.x(), at.y(), at.z()), own).first->second;
+    for (const std::size_t end : {0u, 1u}) {
+      if (connector.end_place[end] == 0) continue;
+      std::uint32_t& own = node[first[c] + (end == 0 ? 0 : connector.particles() - 1)];
+      own = ends.emplace(connector.end_place[end], own).first->second;
     }
   }
   return node;

@@ -190,6 +190,8 @@ void Interventions::divide(World& world, std::size_t index, double along, std::s
     share_mass(world, ties_, first, at);
   }
   first.particle_mass[at] /= 2;
+  second.end_place = {++world.end_places, first.end_place[1]};
+  first.end_place[1] = world.end_places;
   second.restitution = first.restitution;
   second.model = first.model;
   second.pulls = first.pulls;

@@ -1,6 +1,7 @@
 // A connector: particles joined by links, held at its ends and wherever a pin holds it.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -104,6 +105,9 @@ struct Connector {
   /// The links are strings, which may be shorter than `rest` and never push (sim/contact). Such a
   /// connector is a model of links, has no sections and no joint.
   bool pulls = false;
+  /// Ends with the same number were at one place at the start, or were cut from each other; 0: not
+  /// known. Set by finish() and cuts.
+  std::array<std::uint32_t, 2> end_place = {0, 0};
   std::vector<Hold> holds;  // sorted by particle; at most one per particle
 
   std::vector<double> rest;           // m, rest length of each link

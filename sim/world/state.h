@@ -38,8 +38,9 @@ struct World {
   std::vector<BodyPair> pairs;       // of free bodies that touch each other
   std::vector<BeadPair> bead_pairs;  // of connectors and free bodies that do
   std::vector<ConnectorPair> connector_pairs;  // of connectors that do
-  std::uint64_t topology = 0;  // another one whenever what structure() tells changes
-  std::uint64_t pins = 0;      // how many there ever were
+  std::uint64_t topology = 0;    // another one whenever what structure() tells changes
+  std::uint64_t pins = 0;        // how many there ever were
+  std::uint32_t end_places = 0;  // the largest number of a Connector::end_place
 };
 
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).

@@ -1,6 +1,8 @@
 #include "sim/world/world.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -46,6 +48,20 @@ std::string body_flaw(const World& world, std::size_t index) {
   return "a pair is of the body " + body.name + ", which touches nothing";
 }
 
+/// Numbers the places of ends that have no number yet (Connector::end_place).
+void number_end_places(World& world) {
+  std::map<std::array<double, 3>, std::uint32_t> number;
+  for (Connector& connector : world.connectors) {
+    for (const std::size_t end : {0u, 1u}) {
+      if (connector.end_place[end] != 0 || connector.position.empty()) continue;
+      const Vec3& at = end == 0 ? connector.position.front() : connector.position.back();
+      const auto [place, is_new] = number.emplace(std::array{at.x(), at.y(), at.z()}, 0);
+      if (is_new) place->second = ++world.end_places;
+      connector.end_place[end] = place->second;
+    }
+  }
+}
+
 }  // namespace
 
 void reweigh(World& world) {
@@ -60,6 +76,7 @@ void finish(World& world) {
   for (Body& body : world.bodies) body.bare = body.mass_properties;
   reweigh(world);
   place_held(world, world.time);
+  number_end_places(world);
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     if (carries_twist(world, c)) world.connectors[c].end_turn = {.start = end_turn(world, c)};
   }
@@ -74,6 +91,7 @@ void refresh(World& world) {
   }
   reweigh(world);
   place_held(world, world.time);
+  number_end_places(world);
   world.topology = structure(world);
 }
 

@@ -287,6 +287,33 @@ TEST(ConnectorContact, WhatIsCutOffTouchesAsBefore) {
               has(1, 2, 0.2));
 }
 
+// A rope is thrown up its own line and cut. A second cut divides the world anew: the ends of the
+// first, which lie in each other, are near along rope as before.
+TEST(ConnectorContact, EndsThatWereCutFromEachOtherStayNear) {
+  World world;
+  Connector rope = straight_connector("rope", 0.4, 0.1, 11, Vec3::Zero(), Vec3::UnitY());
+  rope.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  rope.radius = kRadius;
+  world.connectors = {rope};
+  world.connector_pairs = {{0, 0, 0.1, 0.1, 0}};
+  finish(world);
+  Timeline timeline;
+  timeline.cuts.push_back({.connector = 0, .along = 0.09, .time = 0.01});
+  timeline.cuts.push_back({.connector = 0, .along = 0.3, .time = 0.03});
+  Simulation simulation(world, make_method("direct", {}), timeline);
+  EXPECT_EQ(simulation.world().connectors[0].end_place[0], 1u);
+  simulation.advance_to(0.06);
+  const auto& parts = simulation.world().connectors;
+  ASSERT_EQ(parts.size(), 3u);
+  EXPECT_EQ(parts[0].end_place[1], parts[1].end_place[0]);
+  EXPECT_EQ(parts[1].end_place[1], parts[2].end_place[0]);
+  EXPECT_NE(parts[0].end_place[1], parts[1].end_place[1]);
+  EXPECT_EQ(parts[2].end_place[1], 2u);
+  for (const Connector& part : parts) {
+    for (const Vec3& velocity : part.velocity) EXPECT_LT(velocity.norm(), 1);
+  }
+}
+
 TEST(Curves, WindAboutEachOtherAndThemselves) {
   const World world = linked_rings();
   const Curve a = curve_of(world, 0), b = curve_of(world, 1);
