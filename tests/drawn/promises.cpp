@@ -21,9 +21,9 @@ namespace taut::drawn {
 namespace {
 
 // In s of CPU time, as is kShare of a run, and twice that of its error's:
-constexpr double kTogether = kSlower / 2;  // of all runs of a scene, of which most take far less
-constexpr double kAlone = kSlower / 4;     // of a run for which that was too little
-constexpr double kPatience = 5 * kSlower;  // of a slice of it
+constexpr double kTogether = kSlower / 2;   // of all runs of a scene, of which most take far less
+constexpr double kAlone = kSlower / 4;      // of a run for which that was too little
+constexpr double kPatience = 20 * kSlower;  // of a slice of it: what takes more hangs
 
 constexpr std::size_t kMemory = 1024u << 20;  // bytes
 constexpr double kMostTolerances = 10;        // that an error may have of which nothing is told

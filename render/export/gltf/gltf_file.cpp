@@ -19,8 +19,16 @@ std::size_t components_of(std::string_view type) {
   return std::size_t(type.back() - '0');
 }
 
+/// The list of that name, which is made where there is none. A null that push_back() turns into a
+/// list is left broken where memory runs out.
+GltfFile::Json& GltfFile::list_in(Json& object, const char* name) {
+  Json& list = object[name];
+  if (list.is_null()) list = Json::array();
+  return list;
+}
+
 std::size_t GltfFile::add(const char* list, Json object) {
-  root_[list].push_back(std::move(object));
+  list_in(root_, list).push_back(std::move(object));
   return root_[list].size() - 1;
 }
 
@@ -42,7 +50,7 @@ std::size_t GltfFile::add_bytes(std::string_view bytes, std::size_t component_si
 std::size_t GltfFile::add_node(const std::string& name, std::optional<std::size_t> parent) {
   const std::size_t index = add("nodes", {{"name", name}});
   if (parent) {
-    node(*parent)["children"].push_back(index);
+    list_in(node(*parent), "children").push_back(index);
   } else {
     root_["scenes"][0]["nodes"].push_back(index);
   }

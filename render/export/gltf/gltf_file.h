@@ -43,7 +43,9 @@ class GltfFile {
   void name_scene(const std::string& name) { root_["scenes"][0]["name"] = name; }
   void use_extension(const char* name, Json said) {
     root_["extensionsUsed"].push_back(name);
-    root_["extensions"][name] = std::move(said);
+    Json& extensions = root_["extensions"];
+    if (extensions.is_null()) extensions = Json::object();
+    extensions[name] = std::move(said);
   }
 
   /// The node's index. Without a parent it is a root of the scene.
@@ -56,6 +58,7 @@ class GltfFile {
   void write(const WriteBytes& write);
 
  private:
+  static Json& list_in(Json& object, const char* name);
   template <typename Number>
   static Json bounds_of(std::span<const Number> numbers, std::string_view type);
   std::size_t add_bytes(std::string_view bytes, std::size_t component_size, const Numbers& about,
