@@ -192,7 +192,7 @@ Attempt Implicit::attempt(double time, double h, double) {
     if (friction_ < 1) made.least = 2 * jam_;
     if (made.solved || made.event < kNever || h > jam_ || runs_through_) return made;
     // Shorter steps have no solution either: this one goes with less friction.
-    if (friction_ == 0) {
+    if (friction_ == 0) {  // friction is not the cause: a shorter step, with all of it
       friction_ = 1;
       step_.set_friction_share(friction_);
       return made;

@@ -1038,8 +1038,8 @@ bool ImplicitStep::goes_the_same_way() const {
 }
 
 /// Newton's method; a factorised matrix serves as long as corrections fall fast. True once
-/// velocities err by less than `enough` (m/s), or by roundings: light particles beside heavy bodies
-/// multiply these, and corrections end to fall.
+/// velocities err by less than `enough` (m/s), or by no more than roundings: light particles beside
+/// heavy bodies multiply roundings, and corrections of that size fall no further.
 bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, double enough) {
   constexpr double kShortest = 1.0 / 64, kFast = 0.03;
   const double longest = problem.advance > 0 ? 0.5 * shortest_ / problem.advance
@@ -1056,7 +1056,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
   // where the factor is above kLargest; they stay.
   constexpr double kSteady = 0.01, kLargest = 0.95;
   double ratio_before = 0;
-  constexpr double kMostRounding = 1e4;  // of `enough`
+  constexpr double kMostRounding = 1e4;  // of `enough`, that a correction by roundings may have
   double last_new = last;                // the last correction by a matrix of its place
   for (int i = 0; i < most;) {
     check_stop();
