@@ -21,6 +21,13 @@ constexpr int kMostSteps = 3000;     // steps in so short a time: rounding makes
 constexpr double kBriefTime = 5e-4;  // s
 constexpr double kAtOnce = 1e-4;     // s, in which rope that runs out has done so
 
+/// Whether anything holds links at two places.
+bool may_be_at_full_length(const World& world) {
+  return !world.joints.empty() || has_winches(world) ||
+         std::ranges::any_of(world.connectors,
+                             [](const Connector& connector) { return connector.holds.size() > 1; });
+}
+
 class Multipliers final : public Method {
  public:
   explicit Multipliers(const Settings& settings)
@@ -157,10 +164,10 @@ void Multipliers::step(double& time, double until) {
   }
   if (++short_ > kMostSteps) {
     give_up(time, 0,
-            world_->joints.empty() && !has_winches(*world_)
-                ? "no step is small enough"
-                : "no step is small enough: the links may be at their full length between what "
-                  "holds them");
+            may_be_at_full_length(*world_)
+                ? "no step is small enough: the links may be at their full length between what "
+                  "holds them"
+                : "no step is small enough");
   }
   project(time);
   mechanism_.follow(time, state_);

@@ -158,7 +158,7 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
     EXPECT_EQ(outcome.messages.find("internal error"), std::string::npos);
     if (code == 0) return;
     if (fault.in_children) {
-      const bool is_full = fault.kind == kWrite && code == program::kCannotWrite;
+      const bool is_full = kErrors[fault.kind] == ENOSPC && code == program::kCannotWrite;
       const bool no_memory = fault.kind == kMemory && code == program::kNoMemory;
       EXPECT_TRUE(code == subject_.child_code || is_full || no_memory);
       return;
