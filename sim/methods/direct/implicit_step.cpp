@@ -1625,6 +1625,7 @@ void ImplicitStep::find_contacts(const StepState& at, double touching,
                                  std::vector<Contact>& contacts) {
   contacts.clear();
   for (const std::uint32_t i : touches_.near()) {
+    if (std::ranges::binary_search(at.inside, i)) continue;
     const Meeting meeting = touches_.meet(mechanism_, i, at.state.data());
     if (meeting.gap > touching + 2 * kShortestApproach * speed_) continue;
     const double rate =
@@ -1633,6 +1634,24 @@ void ImplicitStep::find_contacts(const StepState& at, double touching,
     if (!touches_.is_distinct(mechanism_, i, at.state.data())) continue;
     const auto known = std::ranges::find(contacts_, i, &Contact::candidate);
     contacts.push_back(known != contacts_.end() ? *known : Contact{.candidate = i});
+  }
+}
+
+/// Lists the links that are inside each other and do not touch: those of before until they are
+/// apart, and those that came there past links that may not touch, which are not distinct then. In
+/// a `fresh` state, also those that lie more than half in each other.
+void ImplicitStep::find_inside(double touching, bool fresh, StepState& to) {
+  const std::vector<std::uint32_t> before = std::move(to.inside);
+  to.inside.clear();
+  for (const std::uint32_t i : touches_.near()) {
+    const Candidate& of = touches_.candidates()[i];
+    if (!of.is_at_rope()) continue;
+    const double deep = -touches_.meet(mechanism_, i, to.state.data()).gap;
+    if (deep <= 2 * touching) continue;
+    if ((fresh && deep > of.radius / 2) || std::ranges::binary_search(before, i) ||
+        !touches_.is_distinct(mechanism_, i, to.state.data())) {
+      to.inside.push_back(i);
+    }
   }
 }
 
@@ -1673,6 +1692,8 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
     }
   }
   contacts_.clear();
+  to.inside.clear();
+  find_inside(touching, true, to);
   find_contacts(to, touching, to.contacts);
   contacts_ = to.contacts;
   lay_out(to);
@@ -1922,6 +1943,7 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
   for (const std::uint32_t i : touches_.near()) {
     while (known < contacts_.size() && contacts_[known].candidate < i) ++known;
     if (known < contacts_.size() && contacts_[known].candidate == i) continue;
+    if (std::ranges::binary_search(from.inside, i)) continue;
     const Gap now = gap(i);
     if (touches_.candidates()[i].is_at_rope()) {
       const double share = first_pass(from, to, h, touching, i);
@@ -2112,6 +2134,7 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
     contact.grips = contact.sticks && pull < (1 - kSure) * of.stick * push;
   }
   to.contacts = contacts_;
+  to.inside = from.inside;
   to.slips.clear();
   for (const PulleyLaw& law : pulley_law_) to.slips.push_back(law.slip);
   if (!stops) return Result::done;
@@ -2194,6 +2217,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     hold_contacts();
     if (!project(to, touching)) return false;
   }
+  find_inside(touching, false, to);
   keep_contacts(to);
   return true;
 }

@@ -30,7 +30,10 @@ struct StepState {
     bool is_anchored = false;    // a bead that has gripped since it was at `anchor`
     Vec3 anchor = Vec3::Zero();  // m, as Meeting::local
   };
-  std::vector<Contact> contacts;       // by candidates
+  std::vector<Contact> contacts;  // by candidates
+  /// Candidates of links that are inside each other and do not touch until they are apart: rope
+  /// that a cut freed can slide into rope near the cut.
+  std::vector<std::uint32_t> inside;
   std::vector<char> taut;              // per link: of a string, at its length
   std::vector<Mechanism::Slip> slips;  // per pulley, in the last stage
   /// Of what presses, pulls and slides, as a number.
@@ -205,6 +208,7 @@ class ImplicitStep {
   double energy_of(const std::vector<double>& one, const std::vector<double>& other) const;
   void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);
   void keep_contacts(StepState& to);
+  void find_inside(double touching, bool fresh, StepState& to);
   bool presses(std::size_t c) const;
   void hold_contacts();
   void measure_speed(const StepState& at);

@@ -314,6 +314,38 @@ TEST(ConnectorContact, EndsThatWereCutFromEachOtherStayNear) {
   }
 }
 
+// A hanging rope is cut twice, and its parts fall onto a floor: the last link slides back over the
+// links before the cut, which it may not touch, into one that it may. It goes on without a jump.
+TEST(ConnectorContact, CutPartsMaySlideIntoEachOtherNearTheCut) {
+  for (const double tolerance : {1e-3, 1e-4, 1e-5}) {
+    World world;
+    Connector rope =
+        straight_connector("rope", 0.4, 0.05, 11, Vec3::UnitY(), Vec3(0.3, -1, 0).normalized());
+    rope.holds = {{0, worlds::fixed_at(Vec3::UnitY())}};
+    rope.radius = 0.004;
+    world.connectors = {rope};
+    world.connector_pairs = {{0, 0, 0.1, 0.1, 0}};
+    Obstacle floor;
+    floor.shape = plane_shape();
+    floor.place.position = Vec3(0, 0.58, 0);
+    floor.static_friction = floor.kinetic_friction = 2;
+    world.obstacles = {floor};
+    finish(world);
+    Timeline timeline;
+    timeline.cuts.push_back({.connector = 0, .along = 0.2, .time = 0.1});
+    timeline.cuts.push_back({.connector = 0, .along = 0.31, .time = 0.1});
+    Simulation simulation(world, make_method("direct", {{"tolerance", tolerance}}), timeline);
+    double before = energy(world);
+    for (int frame = 1; frame <= 60; ++frame) {
+      ASSERT_NO_THROW(simulation.advance_to(frame / 60.0)) << tolerance;
+      const double now = energy(simulation.world());
+      EXPECT_LT(now, before + tolerance) << tolerance << " at " << frame;
+      before = now;
+    }
+    EXPECT_GT(simulation.world().connectors[2].position[0].y(), 0.58 + 0.004 - tolerance);
+  }
+}
+
 TEST(Curves, WindAboutEachOtherAndThemselves) {
   const World world = linked_rings();
   const Curve a = curve_of(world, 0), b = curve_of(world, 1);
