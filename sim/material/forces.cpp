@@ -82,9 +82,8 @@ double farthest(const Hold& hold) {
 
 const StretchElement* pressed_together(std::span<const StretchElement> stretches,
                                        const double* positions) {
-  constexpr double kShare = 1e-3;
   for (const StretchElement& link : stretches) {
-    if ((point(positions, link.b) - point(positions, link.a)).norm() < kShare * link.rest)
+    if ((point(positions, link.b) - point(positions, link.a)).norm() < kShareOfNothing * link.rest)
       return &link;
   }
   return nullptr;

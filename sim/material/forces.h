@@ -51,6 +51,8 @@ struct DragElement {
 /// nothing bends: no motion goes on from there.
 const StretchElement* pressed_together(std::span<const StretchElement> stretches,
                                        const double* positions);
+/// Of its length: a shorter link is pressed together to nothing.
+inline constexpr double kShareOfNothing = 1e-3;
 inline constexpr const char* kPressedTogether =
     "a link is pressed together to nothing and has no direction, expected a greater "
     "axial_stiffness";

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/material/forces.h"
+#include "sim/links/mechanism.h"
+#include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {
@@ -112,12 +113,11 @@ void Elastic::accept(double) {
 
 void Elastic::give_up(double time) {
   step_.store(own_);
-  const Connector& connector = own_.connectors[0];
-  std::vector<material::StretchElement> stretches;
-  material::add_stretches(connector, 0, 0, stretches);
-  const auto* pressed = material::pressed_together(stretches, connector.position.data()->data());
-  throw Diverged("direct", time, counters_->steps, connector.name, pressed ? pressed->link : 0,
-                 pressed ? material::kPressedTogether : "no step is small enough");
+  Mechanism mechanism;
+  mechanism.rebuild(own_);
+  std::vector<double> state;
+  mechanism.load(own_, state);
+  throw no_step(own_, mechanism, state.data(), time, counters_->steps);
 }
 
 }  // namespace taut::direct

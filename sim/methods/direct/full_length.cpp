@@ -79,6 +79,19 @@ Diverged no_step(const World& world, const Mechanism& mechanism, const double* s
   if (const auto* pressed = material::pressed_together(stretches, state)) {
     return made(pressed->connector, pressed->link, material::kPressedTogether);
   }
+  for (std::size_t c = 0, first = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    for (std::size_t k = 0; connector.pulls && k < connector.links(); ++k) {
+      const Eigen::Map<const Vec3> from(state + mechanism.position(first + k)),
+          to(state + mechanism.position(first + k + 1));
+      if ((to - from).norm() < material::kShareOfNothing * connector.rest[k]) {
+        return made(c, k,
+                    "a link that only pulls is pressed together to nothing and has no "
+                    "direction, expected links = \"rigid\" or no bending_stiffness");
+      }
+    }
+    first += connector.particles();
+  }
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const auto& holds = world.connectors[c].holds;
     for (std::size_t k = 1; !world.connectors[c].stretches() && k < holds.size(); ++k) {
