@@ -11,6 +11,7 @@
 #include "render/base/atomic_file.h"
 #include "render/base/interrupt.h"
 #include "render/export/csv.h"
+#include "render/export/forces.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
@@ -28,6 +29,7 @@
 #include "sim/links/winch_tension.h"
 #include "sim/measure/curves.h"
 #include "sim/measure/measure.h"
+#include "sim/run/forces.h"
 #include "sim/run/simulation.h"
 
 namespace taut::cli {
@@ -40,7 +42,7 @@ namespace fs = std::filesystem;
 struct Options {
   options::SceneOptions inputs;
   std::string scene;  // of the inputs, the one that is simulated now
-  std::string csv;
+  std::string csv, forces;
   int fps = 0;  // 0: the scene's
   bool no_estimate = false;
   double max_memory = 0;
@@ -54,6 +56,31 @@ struct Winding {
   double start = 0, end = 0;
 };
 
+/// The largest forces at any frame (N), and when (s) and where they were.
+struct LargestForces {
+  struct Largest {
+    double force = 0, time = 0;
+    std::string of, part;
+  };
+  Largest tension, hold, contact;
+  int none = 0;  // frames in which no forces satisfy the laws
+
+  void add(const World& world, const Forces& now) {
+    const auto raise = [&](Largest& to, double force, const exporting::Named& at) {
+      if (force > to.force) to = {force, now.time, at.name, at.part};
+    };
+    for (const Forces::Link& at : now.links) {
+      raise(tension, std::abs(at.tension), exporting::named(world, at));
+    }
+    for (const Forces::Hold& at : now.holds) {
+      raise(hold, at.force.norm(), exporting::named(world, at));
+    }
+    for (const Forces::Contact& at : now.contacts) {
+      raise(contact, at.force.norm(), exporting::named(world, at.one));
+    }
+  }
+};
+
 /// The measurements of a run; drift, stretch and penetration at frame times.
 struct Report {
   double stepping = 0;      // CPU s, in advance() alone
@@ -62,6 +89,7 @@ struct Report {
   double energy_scale = 0;  // J
   double penetration = 0;   // m
   std::vector<Winding> windings;
+  std::optional<LargestForces> forces;
 };
 
 double winding(const World& world, const Winding& of) {
@@ -125,7 +153,7 @@ class Rows {
 };
 
 Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::SelfEstimate& estimate,
-                Rows& rows, bool quiet) {
+                Rows& rows, Rows& force_rows, bool quiet) {
   const World& world = simulation.world();
   study::EnergyBalance balance(scene.timeline);
   const int frames = scene.frames();
@@ -140,6 +168,10 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
   }
   program::Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
   if (rows.wanted()) rows.write(header(scene, estimate.exists()));
+  if (force_rows.wanted()) {
+    force_rows.write(exporting::forces_header());
+    report.forces.emplace();
+  }
   for (int frame = 0; frame < frames; ++frame) {
     render::stop_if_interrupted();
     const double before = cpu_seconds();
@@ -147,6 +179,7 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
       simulation.advance_to(static_cast<double>(frame) / scene.fps);
     } catch (const Diverged&) {
       rows.finish();  // those until then are worth having
+      force_rows.finish();
       throw;
     }
     report.stepping += cpu_seconds() - before;
@@ -155,9 +188,20 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
     report.stretch = larger(report.stretch, stretch_max(world));
     report.penetration = larger(report.penetration, contact::penetration_max(world));
     if (rows.wanted()) rows.write(row(simulation, estimate));
+    if (report.forces) {
+      Forces forces;
+      try {
+        forces = forces_of(world);
+      } catch (const Diverged&) {
+        ++report.forces->none;
+      }
+      report.forces->add(world, forces);
+      force_rows.write(exporting::forces_rows(world, forces, simulation.method().events()));
+    }
     progress.update(static_cast<std::uint64_t>(frame) + 1);
   }
   rows.finish();
+  force_rows.finish();
   for (Winding& made : report.windings) made.end = winding(world, made);
   return report;
 }
@@ -192,6 +236,18 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
                                   {"linking_number_at_start", winding.start},
                                   {"linking_number", winding.end}});
     }
+  }
+  if (report.forces) {
+    const auto add = [&](const char* key, const LargestForces::Largest& largest) {
+      json[key] = nullptr;
+      if (!(largest.force > 0)) return;
+      json[key] = {
+          {"N", largest.force}, {"t", largest.time}, {"of", largest.of}, {"part", largest.part}};
+    };
+    add("largest_tension", report.forces->tension);
+    add("largest_hold_force", report.forces->hold);
+    add("largest_contact_force", report.forces->contact);
+    json["frames_without_forces"] = report.forces->none;
   }
   json["energy_drift"] = nullptr;
   if (is_closed(simulation.world()) && report.energy_scale > 0) {
@@ -244,6 +300,10 @@ int run(const Options& options, const program::Common& common) {
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = options::chosen_method(options.method, scene);
   if (options.score) return score(scene, options, common);
+  if (!options.forces.empty() && options.inputs.several()) {
+    throw program::Misuse(fmt::format(
+        "--forces {}: one file for several scenes, expected one scene", options.forces));
+  }
   const bool to_output = options.csv == "-" || render::is_standard_output(options.csv);
   if (to_output && common.json) {
     throw program::Misuse(
@@ -256,8 +316,13 @@ int run(const Options& options, const program::Common& common) {
   Simulation simulation = start(scene);
   studies::SelfEstimate estimate(scene, !options.no_estimate);
   Rows rows(csv, to_output || !common.json);
-  const Report report = simulate(scene, simulation, estimate, rows, common.quiet);
+  Rows force_rows(options.forces, false);
+  const Report report = simulate(scene, simulation, estimate, rows, force_rows, common.quiet);
   if (common.json) render::write_output(json_text(scene, simulation, report, estimate));
+  if (report.forces && report.forces->none > 0 && !common.quiet) {
+    program::note("{}: {} of {} frames have no rows: no forces satisfy the laws in their states\n",
+                  options.forces, report.forces->none, scene.frames());
+  }
   if (!csv.empty() && !common.quiet) {
     program::note("{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name,
                   program::Lines{estimate.line()});
@@ -282,6 +347,12 @@ body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), the ten
 every winch (NAME.from.tension, NAME.to.tension), error_estimate. SI units. Particles that pins add
 have no columns; what is cut off a connector has its own from the start, as NAME'.
 
+--forces writes a row for each link, hold and contact of each frame: t, what (tension, hold,
+contact), of (a connector or body), part (a particle: 3, a link: 3-4), with (what holds or touches
+it), with_part, x, y, z, fx, fy, fz (on the first; of a tension: on its link's first particle), size
+(N). They are the forces that the scene's laws give in the state of the frame. Events of massless
+spans stand between (taut, slack, and impulse, whose size is in N s). --json then has the largest.
+
 {}
 It is the last column, where the method has an estimate (inf once the run beside it diverges), and,
 with --json, error_estimate_m (its largest and its final value), predictable_until_s and
@@ -292,6 +363,8 @@ estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)"
   command.add_option("--csv", options->csv,
                      "The trajectory into this file, of several scenes into this folder; - or, "
                      "without --json, nothing: to standard output");
+  command.add_option("--forces", options->forces,
+                     "Tensions, forces of holds and contacts, and events into this CSV file");
   command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
   options::add_method_options(command, options->method);
   command

@@ -218,6 +218,44 @@ to = { free = true }
   EXPECT_NEAR(std::stod(last_column(outcome.output).back()), weight, 1e-12);
 }
 
+// A weight at rest on a rope: its links carry what is below.
+TEST(Simulate, HasTheForcesInAFileOfTheirOwn) {
+  const Folder folder;
+  folder.write("scene.toml", R"(schema_version = 1
+duration = 0.1
+fps = 20
+[connectors.rope]
+length = 1
+mass = 0.3
+particles = 3
+from = { fixed = [0, 1, 0] }
+to = { point_mass = 2 }
+start = { direction = [0, -1, 0] }
+look = "cord"
+[obstacles.floor]
+shape = { plane = {} }
+position = [0, -5, 0]
+)");
+  const ProgramResult outcome =
+      run_taut({"simulate", "scene.toml", "--forces", "forces.csv", "--json", "-q"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto rows = lines(read_file(folder.path() / "forces.csv"));
+  ASSERT_EQ(rows.size(), 1 + 2 * 3u);  // of each frame two links and a hold
+  EXPECT_EQ(rows[0], "t,what,of,part,with,with_part,x,y,z,fx,fy,fz,size");
+  EXPECT_EQ(rows[1].rfind("0,tension,rope,0-1,,,0,0.75,0,", 0), 0u) << rows[1];
+  EXPECT_EQ(rows[3].rfind("0,hold,rope,0,fixed,,0,1,0,", 0), 0u) << rows[3];
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_NEAR(json["largest_tension"]["N"].get<double>(), 2.2 * 9.81, 1e-4);
+  EXPECT_NEAR(json["largest_hold_force"]["N"].get<double>(), 2.3 * 9.81, 1e-4);
+  EXPECT_EQ(json["largest_hold_force"]["part"], "0");
+  EXPECT_TRUE(json["largest_contact_force"].is_null());
+  EXPECT_EQ(json["frames_without_forces"], 0);
+  EXPECT_EQ(
+      run_taut({"simulate", "scene.toml", "scene.toml", "--forces", "forces.csv"}, folder.path())
+          .code,
+      2);
+}
+
 TEST(Simulate, EstimatesItsOwnError) {
   const Folder folder;
   folder.write("scene.toml", kPushedStick);

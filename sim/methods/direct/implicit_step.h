@@ -87,6 +87,14 @@ class ImplicitStep {
   /// (Painleve, Sur les lois du frottement de glissement, Comptes Rendus 121, 1895).
   void set_friction_share(double share) { friction_share_ = share; }
 
+  struct Link {
+    std::uint32_t a = 0, b = 0;
+    bool soft = false, pulls = false;
+    std::uint32_t row = 0;  // of the mechanism's rows or stretches
+    double inertia = 1;     // kg, that a tension moves
+  };
+  const std::vector<Link>& links() const { return links_; }
+  Touches& touches() { return touches_; }
   const Mechanism& mechanism() const { return mechanism_; }
   Mechanism& mechanism() { return mechanism_; }
   std::uint64_t factorisations() const {
@@ -120,12 +128,6 @@ class ImplicitStep {
   struct LinkAtPulley {
     std::uint32_t link = 0, pulley = 0;
     double share = 0;
-  };
-  struct Link {
-    std::uint32_t a = 0, b = 0;
-    bool soft = false, pulls = false;
-    std::uint32_t row = 0;  // of the mechanism's rows or stretches
-    double inertia = 1;     // kg, that a tension moves
   };
   /// How a projection of places holds a contact.
   enum Grip : char { kFree, kAtSurface, kAtAnchor };

@@ -22,12 +22,13 @@ class SpansAsStrings {
   void read(const World& world);
   void write(World& world);
   World& world() { return strings_; }
-
- private:
   struct Place {
     Span span;
-    std::size_t string = 0;  // index of a connector of strings_
+    std::size_t string = 0;  // index of a connector of world()
   };
+  const std::vector<Place>& places() const { return places_; }
+
+ private:
   std::vector<Place> places_;
   World strings_;
   HangingChain hanging_;

@@ -1,0 +1,94 @@
+#include "render/export/forces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace taut::exporting {
+namespace {
+
+std::string numbers(const Vec3& v) {
+  return fmt::format("{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
+}
+
+std::string holder(const World& world, const Forces::Hold& hold) {
+  const auto& holds = world.connectors[hold.connector].holds;
+  const auto at = std::ranges::find(holds, hold.particle, &Hold::particle);
+  if (at == holds.end()) return "";
+  switch (at->to.kind) {
+    case Attachment::Kind::fixed:
+      return "fixed";
+    case Attachment::Kind::path:
+      return "path";
+    case Attachment::Kind::body:
+      return world.bodies[at->to.body].name;
+  }
+  return "";
+}
+
+std::string link(std::size_t first) {
+  return fmt::format("{}-{}", first, first + 1);
+}
+
+std::string cells(const Named& of) {
+  return of.name + ',' + of.part;
+}
+
+}  // namespace
+
+Named named(const World& world, const Forces::Link& of) {
+  return {world.connectors[of.connector].name, link(of.link)};
+}
+
+Named named(const World& world, const Forces::Hold& of) {
+  return {world.connectors[of.connector].name, fmt::to_string(of.particle)};
+}
+
+Named named(const World& world, const Forces::Side& of) {
+  using Kind = Forces::Side::Kind;
+  switch (of.kind) {
+    case Kind::particle:
+      return {world.connectors[of.index].name, fmt::to_string(of.at)};
+    case Kind::link:
+      return {world.connectors[of.index].name, link(of.at)};
+    case Kind::body:
+      return {world.bodies[of.index].name, ""};
+    case Kind::obstacle:
+      return {world.obstacles[of.index].name, ""};
+  }
+  return {};
+}
+
+std::string forces_header() {
+  return "t,what,of,part,with,with_part,x,y,z,fx,fy,fz,size\n";
+}
+
+std::string forces_rows(const World& world, const Forces& forces, std::span<const Event> events) {
+  std::string text;
+  for (const Event& event : events) {
+    constexpr const char* kKinds[] = {"taut", "impulse", "slack"};
+    text += fmt::format("{:.17g},{},{},{},,,,,,,,,", event.time,
+                        kKinds[static_cast<std::size_t>(event.kind)],
+                        world.connectors[event.connector].name, event.span);
+    if (event.kind == Event::Kind::impulse) text += fmt::format("{:.17g}", event.size);
+    text += '\n';
+  }
+  const auto add = [&](const char* what, const Named& of, const Named& with, const Vec3& place,
+                       const Vec3& force, double size) {
+    text += fmt::format("{:.17g},{},{},{},{},{},{:.17g}\n", forces.time, what, cells(of),
+                        cells(with), numbers(place), numbers(force), size);
+  };
+  for (const Forces::Link& at : forces.links) {
+    add("tension", named(world, at), {}, at.place, at.tension * at.direction, at.tension);
+  }
+  for (const Forces::Hold& at : forces.holds) {
+    add("hold", named(world, at), {holder(world, at), ""}, at.place, at.force, at.force.norm());
+  }
+  for (const Forces::Contact& at : forces.contacts) {
+    add("contact", named(world, at.one), named(world, at.other), at.place, at.force,
+        at.force.norm());
+  }
+  return text;
+}
+
+}  // namespace taut::exporting

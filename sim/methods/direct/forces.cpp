@@ -1,0 +1,291 @@
+#include "sim/run/forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "sim/measure/measure.h"
+#include "sim/methods/direct/implicit_step.h"
+#include "sim/methods/direct/spans_as_strings.h"
+#include "sim/run/method.h"
+
+namespace taut::direct {
+namespace {
+
+using PartOf = Eigen::Map<const Vec3>;
+
+constexpr double kTouching = 1e-5;       // of the longest connector
+constexpr double kShortStep = 1e-4;      // of the time in which the shortest link falls its length
+constexpr double kShortestStep = 1e-13;  // s
+
+std::size_t at_of(const Forces::Link& link) {
+  return link.link;
+}
+std::size_t at_of(const Forces::Hold& hold) {
+  return hold.particle;
+}
+
+/// The particle of a point.
+struct Particle {
+  std::size_t connector = 0, index = 0;
+};
+
+class Finder {
+ public:
+  explicit Finder(const World& world) : world_(world) {
+    step_.rebuild(world);
+    for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+      for (std::size_t i = 0; i < world.connectors[c].particles(); ++i) {
+        particles_.push_back({c, i});
+      }
+    }
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+      if (!world.bodies[b].driven()) free_.push_back(b);
+    }
+  }
+
+  Forces find() {
+    const double length = length_scale(world_);
+    step_.set_lowest_speeds(std::sqrt(2 * world_.gravity.norm() * kTouching * length),
+                            kTouching * length);
+    if (!step_.load(world_, from_, kTouching * length)) fail();
+    double h = kShortStep * shortest_time();
+    while (!take(h)) {
+      h /= 10;
+      if (h < kShortestStep) fail();
+    }
+    Forces made{.time = world_.time};
+    step_.mechanism().place_and_measure(from_.time, from_.state.data());
+    on_point_.assign(step_.mechanism().points(), Vec3::Zero());
+    add_links(made);
+    add_contacts(made);
+    add_holds(h, made);
+    return made;
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    std::ostringstream line;
+    line << "no forces satisfy the laws of all links and contacts at " << world_.time << " s";
+    throw Diverged("forces", world_.time, line.str());
+  }
+
+  double shortest_time() const {
+    double shortest = length_scale(world_), fastest = 0;
+    for (const Connector& connector : world_.connectors) {
+      for (const double rest : connector.rest) {
+        if (rest > 0) shortest = std::min(shortest, rest);
+      }
+      for (const Vec3& velocity : connector.velocity) fastest = std::max(fastest, velocity.norm());
+    }
+    const double falls = std::sqrt(shortest / std::max(world_.gravity.norm(), 1.0));
+    return fastest > 0 ? std::min(falls, shortest / fastest) : falls;
+  }
+
+  /// Two steps of h (s) and of half of that, whose forces are extrapolated to none.
+  bool take(double h) {
+    using Result = ImplicitStep::Result;
+    return step_.step(from_, h, 0, false, whole_) != Result::failed &&
+           step_.step(from_, h / 2, 0, false, half_) != Result::failed;
+  }
+
+  /// A force that may not pull, or not push, does not after extrapolation.
+  static double extrapolated(double half, double whole) {
+    return half == 0 || whole == 0 ? half : 2 * half - whole;
+  }
+
+  PartOf place(std::size_t point) const {
+    return PartOf(&from_.state[step_.mechanism().position(point)]);
+  }
+  PartOf velocity(std::size_t point) const {
+    return PartOf(&from_.state[step_.mechanism().velocity(point)]);
+  }
+
+  void add_links(Forces& made) {
+    const Mechanism& mechanism = step_.mechanism();
+    for (std::size_t k = 0; k < step_.links().size(); ++k) {
+      const ImplicitStep::Link& link = step_.links()[k];
+      Vec3 along = place(link.b) - place(link.a);
+      const double length = along.norm();
+      if (length > 0) along /= length;
+      double tension = extrapolated(half_.tension[k], whole_.tension[k]);
+      std::size_t connector = 0, index = 0;
+      bool joint = false;
+      if (link.soft) {
+        const auto& stretch = mechanism.material().stretches()[link.row];
+        connector = stretch.connector;
+        index = stretch.link;
+        const double rate = along.dot(velocity(link.b) - velocity(link.a)) - stretch.rest_rate;
+        tension = stretch.stiffness * (length - stretch.rest) + stretch.damping * rate;
+      } else {
+        const Row& row = mechanism.rows()[link.row];
+        connector = row.connector;
+        index = row.link;
+        joint = row.axis != Row::kAlongLink;
+        if (joint) along = Vec3::Unit(row.axis);
+      }
+      on_point_[link.a] += tension * along;
+      on_point_[link.b] -= tension * along;
+      const Vec3 middle = (place(link.a) + place(link.b)) / 2;
+      Forces::Link* last = made.links.empty() ? nullptr : &made.links.back();
+      if (joint && last && last->connector == connector && last->link == index) {
+        const Vec3 pull = last->tension * last->direction + tension * along;
+        last->tension = pull.norm();
+        last->direction = last->tension > 0 ? Vec3(pull / last->tension) : along;
+      } else {
+        made.links.push_back({connector, index, tension, middle, along});
+      }
+    }
+    std::ranges::stable_sort(made.links, {}, [](const Forces::Link& link) {
+      return std::pair(link.connector, link.link);
+    });
+  }
+
+  Forces::Side side(std::uint32_t first, std::uint32_t second, std::uint32_t body) const {
+    using Kind = Forces::Side::Kind;
+    if (body != Candidate::kNone) return {Kind::body, free_[body], 0};
+    const Particle at = particles_[first];
+    return {first == second ? Kind::particle : Kind::link, at.connector, at.index};
+  }
+
+  void add_contacts(Forces& made) {
+    Touches& touches = step_.touches();
+    touches.place(world_, from_.time);
+    for (std::size_t c = 0; c < half_.contacts.size(); ++c) {
+      const StepState::Contact& contact = half_.contacts[c];
+      const Candidate& of = touches.candidates()[contact.candidate];
+      const Meeting at = touches.meet(step_.mechanism(), contact.candidate, from_.state.data());
+      const Vec3& whole = whole_.contacts[c].force;
+      const Vec3 force =
+          contact.force.isZero(0) || whole.isZero(0) ? contact.force : 2 * contact.force - whole;
+      if (!(force.dot(at.normal) > 0)) continue;
+      Forces::Contact told{.one = side(of.a, of.b, of.body), .normal = at.normal, .force = force};
+      if (of.is_at_rope()) {
+        told.other = side(of.c, of.d, Candidate::kNone);
+      } else if (of.obstacle != Candidate::kNone) {
+        told.other = {Forces::Side::Kind::obstacle, of.obstacle, 0};
+      } else {
+        told.other = {Forces::Side::Kind::body, free_[of.other], 0};
+      }
+      const auto push = [&](std::uint32_t first, std::uint32_t second, double share,
+                            const Vec3& by) {
+        on_point_[first] += (1 - share) * by;
+        on_point_[second] += share * by;
+      };
+      double radius = of.radius;
+      if (of.body != Candidate::kNone) {
+        const PartOf centre(&from_.state[step_.mechanism().pose(of.body)]);
+        told.place = centre + at.arm;
+        radius = 0;
+      } else {
+        push(of.a, of.b, at.share, force);
+        told.place = place(of.a) + at.share * (place(of.b) - place(of.a));
+      }
+      if (of.is_at_rope()) {
+        push(of.c, of.d, at.other_share, -force);
+        radius = world_.connectors[particles_[of.a].connector].radius;
+      }
+      told.place -= radius * at.normal;
+      made.contacts.push_back(told);
+    }
+  }
+
+  /// The force of a hold accelerates its particle against all others.
+  void add_holds(double h, Forces& made) {
+    const Mechanism& mechanism = step_.mechanism();
+    mechanism.material().add_bends(from_.state.data(), velocity(0).data(), on_point_);
+    mechanism.material().add_drag(from_.state.data(), velocity(0).data(), on_point_);
+    mechanism.material().add_twists(from_.state.data(), velocity(0).data(), on_point_);
+    if (mechanism.has_winches()) mechanism.add_flow(from_.state.data(), on_point_);
+    std::vector<double> mass(mechanism.points());
+    for (std::size_t p = 0; p < mass.size(); ++p) {
+      const Particle at = particles_[p];
+      mass[mechanism.leader(p)] += world_.connectors[at.connector].particle_mass[at.index];
+    }
+    std::size_t first = 0;
+    for (std::size_t c = 0; c < world_.connectors.size(); ++c) {
+      for (const Hold& hold : world_.connectors[c].holds) {
+        const std::size_t p = mechanism.leader(first + hold.particle);
+        const std::size_t at = mechanism.velocity(p);
+        const auto rate = [&](const StepState& to, double time) {
+          return Vec3((PartOf(&to.state[at]) - PartOf(&from_.state[at])) / time);
+        };
+        const Vec3 acceleration = 2 * rate(half_, h / 2) - rate(whole_, h);
+        made.holds.push_back(
+            {c, hold.particle, place(p), mass[p] * (acceleration - world_.gravity) - on_point_[p]});
+      }
+      first += world_.connectors[c].particles();
+    }
+  }
+
+  const World& world_;
+  ImplicitStep step_;
+  StepState from_, whole_, half_;
+  std::vector<Particle> particles_;  // of points
+  std::vector<std::size_t> free_;    // bodies of the mechanism, in World::bodies
+  std::vector<Vec3> on_point_;       // N, but for those of holds
+};
+
+/// Rigid links get the lengths that they have, and strings at least these: methods that stretch
+/// them leave them at others.
+World with_lengths_as_they_are(World world) {
+  for (Connector& connector : world.connectors) {
+    if (connector.stretches() || connector.winch || connector.model == ConnectorModel::span)
+      continue;
+    for (std::size_t k = 0; k < connector.links(); ++k) {
+      const double length = (connector.position[k + 1] - connector.position[k]).norm();
+      double& rest = connector.rest[k];
+      if (rest > 0 && length > 0) rest = connector.pulls ? std::max(rest, length) : length;
+    }
+  }
+  return world;
+}
+
+Forces find_forces(const World& world) {
+  if (!has_spans(world)) return Finder(world).find();
+  SpansAsStrings spans;
+  spans.rebuild(world);
+  spans.read(world);
+  Forces made = Finder(spans.world()).find();
+  const auto span_of = [&](std::size_t connector) -> const Span* {
+    for (const auto& place : spans.places()) {
+      if (place.string == connector) return &place.span;
+    }
+    return nullptr;
+  };
+  for (Forces::Link& link : made.links) {
+    const Span* span = span_of(link.connector);
+    if (!span) continue;
+    link.connector = span->connector;
+    link.link = span->a.particle;
+  }
+  std::vector<Forces::Hold> holds;  // two spans may share one
+  for (Forces::Hold hold : made.holds) {
+    if (const Span* span = span_of(hold.connector)) {
+      hold.connector = span->connector;
+      hold.particle = hold.particle == 0 ? span->a.particle : span->b.particle;
+    }
+    const auto same = std::ranges::find_if(holds, [&](const Forces::Hold& other) {
+      return other.connector == hold.connector && other.particle == hold.particle;
+    });
+    if (same == holds.end()) {
+      holds.push_back(hold);
+    } else {
+      same->force += hold.force;
+    }
+  }
+  made.holds = std::move(holds);
+  const auto place_of = [](const auto& force) { return std::pair(force.connector, at_of(force)); };
+  std::ranges::stable_sort(made.links, {}, place_of);
+  std::ranges::stable_sort(made.holds, {}, place_of);
+  return made;
+}
+
+}  // namespace
+}  // namespace taut::direct
+
+taut::Forces taut::forces_of(const World& world) {
+  return direct::find_forces(direct::with_lengths_as_they_are(world));
+}
