@@ -66,12 +66,18 @@ std::string forces_header() {
 std::string forces_rows(const World& world, const Forces& forces, std::span<const Event> events) {
   std::string text;
   for (const Event& event : events) {
-    constexpr const char* kKinds[] = {"taut", "impulse", "slack"};
-    text += fmt::format("{:.17g},{},{},{},,,,,,,,,", event.time,
-                        kKinds[static_cast<std::size_t>(event.kind)],
-                        world.connectors[event.connector].name, event.span);
-    if (event.kind == Event::Kind::impulse) text += fmt::format("{:.17g}", event.size);
-    text += '\n';
+    constexpr const char* kKinds[] = {"taut", "impulse", "slack", "hit", "leave", "slide", "stick"};
+    const char* kind = kKinds[static_cast<std::size_t>(event.kind)];
+    const bool strikes = event.kind == Event::Kind::impulse || event.kind == Event::Kind::hit;
+    const std::string size = strikes ? fmt::format("{:.17g}", event.size) : "";
+    if (event.of_contact) {
+      text += fmt::format("{:.17g},{},{},{},{},,,,{}\n", event.time, kind,
+                          cells(named(world, event.one)), cells(named(world, event.other)),
+                          numbers(event.place), size);
+    } else {
+      text += fmt::format("{:.17g},{},{},{},,,,,,,,,{}\n", event.time, kind,
+                          world.connectors[event.connector].name, event.span, size);
+    }
   }
   const auto add = [&](const char* what, const Named& of, const Named& with, const Vec3& place,
                        const Vec3& force, double size) {

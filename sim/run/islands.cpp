@@ -228,8 +228,7 @@ void Islands::advance(Island& island, World& whole, double until,
     }
     add(before, island.method->counters());
     for (const Event& event : island.method->events()) {
-      events_.push_back(event);
-      events_.back().connector = island.connectors[event.connector];
+      events_.push_back(in_world(event, island.connectors, island.bodies));
     }
     island.method->clear_events();
   }

@@ -188,6 +188,20 @@ bool has_hinges(const World& world) {
   });
 }
 
+Event in_world(Event event, std::span<const std::size_t> connectors,
+               std::span<const std::size_t> bodies) {
+  if (!event.of_contact) {
+    event.connector = connectors[event.connector];
+    return event;
+  }
+  for (Forces::Side* side : {&event.one, &event.other}) {
+    using Kind = Forces::Side::Kind;
+    if (side->kind == Kind::obstacle) continue;
+    side->index = side->kind == Kind::body ? bodies[side->index] : connectors[side->index];
+  }
+  return event;
+}
+
 Counters& Counters::operator+=(const Counters& other) {
   steps += other.steps;
   solves += other.solves;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/features/features.h"
+#include "sim/run/forces.h"
 #include "sim/topology/parts.h"
 #include "sim/world/world.h"
 
@@ -53,15 +54,24 @@ struct Counters {
   Counters& operator-=(const Counters& other);
 };
 
-/// Something that an observer can see in a span.
+/// Something that happens at a moment. A span, or a link that only pulls, goes taut, with an
+/// impulse, or slack. The two sides of a contact hit each other, or pass on the impulse of another
+/// hit, leave each other, begin to slide, or come to stick.
 struct Event {
-  enum class Kind { taut, impulse, slack };
+  enum class Kind { taut, impulse, slack, hit, leave, slide, stick };
   Kind kind = Kind::taut;
-  double time = 0;            // s
-  std::size_t connector = 0;  // index into World::connectors
-  std::size_t span = 0;       // index of the span on it
-  double size = 0;            // N s, of an impulse
+  double time = 0;                    // s
+  std::size_t connector = 0;          // index into World::connectors; not of contacts
+  std::size_t span = 0;               // index of the span on it, or of the link that only pulls
+  double size = 0;                    // N s: of an impulse, and of a hit
+  Forces::Side one = {}, other = {};  // of contacts
+  Vec3 place = Vec3::Zero();          // m, of contacts
+  bool of_contact = false;
 };
+
+/// An event of a part of a world: with the indices of the world's connectors and bodies.
+Event in_world(Event event, std::span<const std::size_t> connectors,
+               std::span<const std::size_t> bodies);
 
 /// The simulation cannot go on: not finite, or beyond any sense. Says where.
 class Diverged : public std::runtime_error {

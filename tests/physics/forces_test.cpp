@@ -173,5 +173,75 @@ TEST(Forces, OfNothingAndOfNoNumbersAreNone) {
   EXPECT_THROW(forces_of(broken), Diverged);
 }
 
+std::vector<Event> events_of(const World& world, double until) {
+  Simulation simulation(world, make_method("direct", {{"tolerance", 1e-6}}));
+  std::vector<Event> all;
+  for (int frame = 1; frame <= 20; ++frame) {
+    simulation.advance_to(until * frame / 20);
+    for (const Event& event : simulation.take_events()) {
+      EXPECT_LE(event.time, until * frame / 20);
+      EXPECT_GT(event.time, until * (frame - 1) / 20);
+      all.push_back(event);
+    }
+  }
+  return all;
+}
+
+// Two beads, which fall 0.2 m and bounce with half of their speed.
+TEST(Events, HitsComeWhenTheyMustWithTheirImpulse) {
+  Obstacle floor = contact_worlds::obstacle(plane_shape(), 0, 0.5);
+  World world = contact_worlds::pair(Vec3(0, 0.21, 0), Vec3::Zero(), floor);
+  world.connectors[0].radius = 0.01;
+  const double fall = std::sqrt(2 * 0.2 / kGravity), speed = kGravity * fall;
+  const std::vector<Event> events = events_of(world, 2.4 * fall);
+  ASSERT_EQ(events.size(), 4u);  // both beads, twice
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(events[i].kind, Event::Kind::hit);
+    EXPECT_TRUE(events[i].of_contact);
+    EXPECT_EQ(events[i].one.kind, Forces::Side::Kind::particle);
+    EXPECT_EQ(events[i].one.at, i % 2);
+    EXPECT_EQ(events[i].other.kind, Forces::Side::Kind::obstacle);
+    const double strikes = i < 2 ? speed : speed / 2;
+    EXPECT_NEAR(events[i].time, i < 2 ? fall : 2 * fall, 1e-5);
+    EXPECT_NEAR(events[i].size, 1.5 * strikes * 0.1, 1e-5);
+    EXPECT_NEAR(events[i].place.y(), 0, 1e-6);
+  }
+}
+
+// Two beads slide over a floor until friction stops them.
+TEST(Events, WhatSlidesComesToStick) {
+  Obstacle floor = contact_worlds::obstacle(plane_shape(), 0.4);
+  World world = contact_worlds::pair(Vec3(0, 0.01, 0), Vec3(2, 0, 0), floor);
+  world.connectors[0].radius = 0.01;
+  std::vector<Event> sticks;
+  for (const Event& event : events_of(world, 0.8)) {
+    if (event.kind == Event::Kind::stick) sticks.push_back(event);
+    EXPECT_NE(event.kind, Event::Kind::slide);
+    EXPECT_NE(event.kind, Event::Kind::leave);
+  }
+  ASSERT_EQ(sticks.size(), 2u);
+  const double stop = 2 / (0.4 * kGravity);
+  for (const Event& event : sticks) {
+    EXPECT_NEAR(event.time, stop, 1e-4);
+    EXPECT_NEAR(event.place.x(), 2 * stop / 2, 1e-4);
+  }
+}
+
+// A bead falls past the point that its string is fixed to.
+TEST(Events, AStringGoesTautWithAnImpulse) {
+  World world = worlds::chain(2, 1, Vec3::UnitY());
+  world.connectors[0].pulls = true;
+  finish(world);
+  const double fall = std::sqrt(2 * 2 / kGravity), mass = world.connectors[0].particle_mass[1];
+  const std::vector<Event> events = events_of(world, 1.2 * fall);
+  ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(events[0].kind, Event::Kind::slack);
+  EXPECT_EQ(events[1].kind, Event::Kind::taut);
+  EXPECT_NEAR(events[1].time, fall, 1e-5);
+  EXPECT_EQ(events[2].kind, Event::Kind::impulse);
+  EXPECT_EQ(events[2].time, events[1].time);
+  EXPECT_NEAR(events[2].size, mass * kGravity * fall, 1e-5);
+}
+
 }  // namespace
 }  // namespace taut::forces_test

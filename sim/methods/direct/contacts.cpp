@@ -252,13 +252,20 @@ void Contacts::begin(Group& group) {
   group.stop = nullptr;
 }
 
-void Contacts::advance(World& world, double until) {
+void Contacts::advance(World& world, double until, std::vector<Event>& events) {
+  const auto first = static_cast<std::ptrdiff_t>(events.size());
   for (const auto& group : groups_) {
     if (read(world, *group)) begin(*group);
     follow(*group, until);
     show(*group, until);
     write(*group, world);
+    for (const Event& event : group->events) {
+      events.push_back(in_world(event, group->connectors, group->bodies));
+    }
+    group->events.clear();
   }
+  std::stable_sort(events.begin() + first, events.end(),
+                   [](const Event& one, const Event& other) { return one.time < other.time; });
   place_held(world, until);
 }
 
@@ -356,7 +363,7 @@ bool Contacts::follow_links(Group& group, double until) const {
 void Contacts::follow_implicit(Group& group, double until) const {
   copy_state(group.now, group.part);
   try {
-    group.implicit->advance(group.part, until);
+    group.implicit->advance(group.part, until, group.events);
   } catch (const Diverged& stop) {
     give_up(group.part, stop);
   }

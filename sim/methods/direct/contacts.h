@@ -26,7 +26,8 @@ class Contacts {
 
   /// Call before the first advance() and whenever the topology is new.
   void prepare(const World& world);
-  void advance(World& world, double until);
+  /// Adds the events until then.
+  void advance(World& world, double until, std::vector<Event>& events);
 
   Counters counters() const;
 
@@ -41,6 +42,7 @@ class Contacts {
     std::vector<double> places;  // m, of all particles
     bool strings = false;        // some of its links are
     bool by_implicit = false;    // as far as `end`
+    std::vector<Event> events;   // by `implicit`, of the part
     double time = 0;             // s, of `now`, beyond what is shown
     double end = 0;              // s, where one looks again at what is near
     std::exception_ptr stop;     // by which `links` ended between `before` and `now`

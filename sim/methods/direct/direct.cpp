@@ -234,7 +234,7 @@ class Direct : public LinkMethod {
           options_, [options = options_] { return std::make_unique<Direct>(options); });
     }
     if (is_new(world)) contacts_->prepare(world);
-    count_on(*contacts_, [&] { contacts_->advance(world, until); });
+    count_on(*contacts_, [&] { contacts_->advance(world, until, events_); });
   }
 
   void advance_joined(World& world, double until) {
@@ -262,7 +262,7 @@ class Direct : public LinkMethod {
   void advance_implicit(World& world, double until) {
     if (!implicit_) implicit_ = std::make_unique<direct::Implicit>(options_);
     is_new(world);
-    count_on(*implicit_, [&] { implicit_->advance(world, until); });
+    count_on(*implicit_, [&] { implicit_->advance(world, until, events_); });
   }
 
   void advance_spans(World& world, double until) {

@@ -41,9 +41,6 @@ class Finder {
         particles_.push_back({c, i});
       }
     }
-    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-      if (!world.bodies[b].driven()) free_.push_back(b);
-    }
   }
 
   Forces find() {
@@ -143,13 +140,6 @@ class Finder {
     });
   }
 
-  Forces::Side side(std::uint32_t first, std::uint32_t second, std::uint32_t body) const {
-    using Kind = Forces::Side::Kind;
-    if (body != Candidate::kNone) return {Kind::body, free_[body], 0};
-    const Particle at = particles_[first];
-    return {first == second ? Kind::particle : Kind::link, at.connector, at.index};
-  }
-
   void add_contacts(Forces& made) {
     Touches& touches = step_.touches();
     touches.place(world_, from_.time);
@@ -161,33 +151,16 @@ class Finder {
       const Vec3 force =
           contact.force.isZero(0) || whole.isZero(0) ? contact.force : 2 * contact.force - whole;
       if (!(force.dot(at.normal) > 0)) continue;
-      Forces::Contact told{.one = side(of.a, of.b, of.body), .normal = at.normal, .force = force};
-      if (of.is_at_rope()) {
-        told.other = side(of.c, of.d, Candidate::kNone);
-      } else if (of.obstacle != Candidate::kNone) {
-        told.other = {Forces::Side::Kind::obstacle, of.obstacle, 0};
-      } else {
-        told.other = {Forces::Side::Kind::body, free_[of.other], 0};
-      }
+      const auto [one, other] = touches.sides(contact.candidate);
+      Forces::Contact told{.one = one, .other = other, .normal = at.normal, .force = force};
       const auto push = [&](std::uint32_t first, std::uint32_t second, double share,
                             const Vec3& by) {
         on_point_[first] += (1 - share) * by;
         on_point_[second] += share * by;
       };
-      double radius = of.radius;
-      if (of.body != Candidate::kNone) {
-        const PartOf centre(&from_.state[step_.mechanism().pose(of.body)]);
-        told.place = centre + at.arm;
-        radius = 0;
-      } else {
-        push(of.a, of.b, at.share, force);
-        told.place = place(of.a) + at.share * (place(of.b) - place(of.a));
-      }
-      if (of.is_at_rope()) {
-        push(of.c, of.d, at.other_share, -force);
-        radius = world_.connectors[particles_[of.a].connector].radius;
-      }
-      told.place -= radius * at.normal;
+      told.place = step_.place_of(contact.candidate, at, from_.state);
+      if (of.body == Candidate::kNone) push(of.a, of.b, at.share, force);
+      if (of.is_at_rope()) push(of.c, of.d, at.other_share, -force);
       made.contacts.push_back(told);
     }
   }
@@ -224,7 +197,6 @@ class Finder {
   ImplicitStep step_;
   StepState from_, whole_, half_;
   std::vector<Particle> particles_;  // of points
-  std::vector<std::size_t> free_;    // bodies of the mechanism, in World::bodies
   std::vector<Vec3> on_point_;       // N, but for those of holds
 };
 

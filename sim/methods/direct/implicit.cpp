@@ -106,8 +106,17 @@ double Implicit::size(const StepState& one, const StepState& other, double time)
   return std::sqrt(sum / std::max(count, 1.0));
 }
 
-void Implicit::advance(World& world, double until) {
-  if (!has_spans(world)) return advance_strings(world, until);
+void Implicit::advance(World& world, double until, std::vector<Event>& events) {
+  const auto tell = [&] {
+    const auto later =
+        std::ranges::find_if(events_, [&](const Event& event) { return event.time > until; });
+    events.insert(events.end(), events_.begin(), later);
+    events_.erase(events_.begin(), later);
+  };
+  if (!has_spans(world)) {
+    advance_strings(world, until);
+    return tell();
+  }
   if (!built_ || spans_topology_ != world.topology) {
     spans_topology_ = world.topology;
     spans_.rebuild(world);
@@ -115,6 +124,16 @@ void Implicit::advance(World& world, double until) {
   spans_.read(world);
   advance_strings(spans_.world(), until);
   spans_.write(world);
+  const std::size_t told = events.size();
+  tell();
+  for (std::size_t i = told; i < events.size(); ++i) {
+    for (const auto& place : spans_.places()) {
+      if (events[i].of_contact || events[i].connector != place.string) continue;
+      events[i].connector = place.span.connector;
+      events[i].span = place.span.index;
+      break;
+    }
+  }
 }
 
 void Implicit::advance_strings(World& world, double until) {
@@ -127,6 +146,7 @@ void Implicit::advance_strings(World& world, double until) {
   }
   if (fresh || loaded_ != shown_) {
     if (!step_.load(world, now_, touching_)) give_up(world.time);
+    events_.clear();
     from_ = now_;
     controller_.start(now_.time);
   }
@@ -259,6 +279,7 @@ void Implicit::accept(double time) {
   step_.accept();
   std::swap(from_, now_);
   std::swap(now_, end_);
+  note_events();
   if (!now_.rate.empty()) rate_ = now_.rate;
   if (friction_ < 1) {
     friction_ = 1;
@@ -268,6 +289,62 @@ void Implicit::accept(double time) {
     jam_ = std::max(jam_ / 2, kShortestJam);
   }
   step_.mechanism().follow(time, now_.state);
+}
+
+/// The events of the last step, which are told at its end.
+void Implicit::note_events() {
+  using Contact = StepState::Contact;
+  const auto& rows = step_.mechanism().rows();
+  const auto of_contact = [&](Event::Kind kind, std::uint32_t candidate, const Vec3& place,
+                              double size) {
+    const auto [one, other] = step_.touches().sides(candidate);
+    events_.push_back({.kind = kind,
+                       .time = now_.time,
+                       .size = size,
+                       .one = one,
+                       .other = other,
+                       .place = place,
+                       .of_contact = true});
+  };
+  const auto of_link = [&](Event::Kind kind, std::size_t link, double size) {
+    const Row& row = rows[step_.links()[link].row];
+    events_.push_back({.kind = kind,
+                       .time = now_.time,
+                       .connector = row.connector,
+                       .span = row.link,
+                       .size = size});
+  };
+  for (std::size_t k = 0; k < now_.taut.size(); ++k) {
+    if (!step_.links()[k].pulls || (from_.taut[k] != 0) == (now_.taut[k] != 0)) continue;
+    of_link(now_.taut[k] ? Event::Kind::taut : Event::Kind::slack, k, 0);
+  }
+  for (const StepState::Impulse& impulse : now_.impulses) {
+    if (impulse.contact) {
+      const bool touched =
+          std::ranges::binary_search(from_.contacts, impulse.of, {}, &Contact::candidate);
+      of_contact(touched ? Event::Kind::impulse : Event::Kind::hit, impulse.of, impulse.place,
+                 impulse.size);
+    } else {
+      of_link(Event::Kind::impulse, impulse.of, impulse.size);
+    }
+  }
+  if (from_.contacts.empty()) return;
+  step_.touches().place(*world_, now_.time);
+  for (const Contact& was : from_.contacts) {
+    if (!was.presses) continue;
+    const auto now =
+        std::ranges::lower_bound(now_.contacts, was.candidate, {}, &Contact::candidate);
+    const bool is_there = now != now_.contacts.end() && now->candidate == was.candidate;
+    const auto tell = [&](Event::Kind kind) {
+      const Meeting at = step_.touches().meet(step_.mechanism(), was.candidate, now_.state.data());
+      of_contact(kind, was.candidate, step_.place_of(was.candidate, at, now_.state), 0);
+    };
+    if (!is_there || !now->presses) {
+      tell(Event::Kind::leave);
+    } else if (was.slip.isZero(0) != now->slip.isZero(0)) {
+      tell(now->slip.isZero(0) ? Event::Kind::stick : Event::Kind::slide);
+    }
+  }
 }
 
 void Implicit::give_up(double time) {

@@ -20,8 +20,8 @@ class Implicit : public Stepping {
   explicit Implicit(const StepOptions& options) : options_(options), controller_(options) {}
   Implicit(const Implicit&) = delete;
 
-  /// Advances the whole world. Throws Diverged.
-  void advance(World& world, double until);
+  /// Advances the whole world, and adds the events until then. Throws Diverged.
+  void advance(World& world, double until, std::vector<Event>& events);
   /// Since this was made.
   const Counters& counters() const { return counters_; }
 
@@ -36,6 +36,7 @@ class Implicit : public Stepping {
  private:
   void advance_strings(World& world, double until);
   void rebuild(const World& world);
+  void note_events();
   Attempt try_step(double h);
   const StepState& at(double time);
   double arrival_ahead();
@@ -60,6 +61,7 @@ class Implicit : public Stepping {
   double order_ = 0;           // of the last estimate
   double friction_ = 1;        // share of it, in the present step
   bool runs_through_ = false;  // the last step tried lets rope run through a pulley
+  std::vector<Event> events_;  // not told yet: after the time that was asked for
   double jam_ = 0;             // s: steps no longer than that go with less friction if they have to
 };
 

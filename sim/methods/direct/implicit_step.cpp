@@ -1452,6 +1452,36 @@ bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
   return true;
 }
 
+/// Adds the impulses of the last jump.
+void ImplicitStep::note_impulses(StepState& to) {
+  const double least = 1e-9 * speed_;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const std::size_t at = first_contact_ + 3 * c;
+    const Vec3 impulse = vec(&unknown_[at]);
+    if (!(impulse.norm() > least * column_scale_[at])) continue;
+    const std::uint32_t candidate = contacts_[c].candidate;
+    to.impulses.push_back({.of = candidate,
+                           .contact = true,
+                           .place = place_of(candidate, meetings_[c], to.state),
+                           .size = impulse.norm()});
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const double impulse = unknown_[first_link_ + k];
+    if (!links_[k].pulls || !(impulse > least * column_scale_[first_link_ + k])) continue;
+    to.impulses.push_back({.of = small(k), .size = impulse});
+  }
+}
+
+Vec3 ImplicitStep::place_of(std::uint32_t candidate, const Meeting& at,
+                            const std::vector<double>& state) const {
+  const Candidate& of = touches_.candidates()[candidate];
+  if (of.body != kHeld) return vec(&state[mechanism_.pose(of.body)]) + at.arm;
+  const Vec3 a = vec(&state[mechanism_.position(of.a)]);
+  const Vec3 b = vec(&state[mechanism_.position(of.b)]);
+  const double radius = of.is_at_rope() ? touches_.radius(of.a) : of.radius;
+  return a + at.share * (b - a) - radius * at.normal;
+}
+
 /// The part of pulleys in the right side of distance(): what their speeds do to points, and their
 /// own rows, in units of change per second.
 void ImplicitStep::add_passing_difference(const StepState& one, const StepState& other) {
@@ -2135,6 +2165,7 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
   }
   to.contacts = contacts_;
   to.inside = from.inside;
+  to.impulses.clear();
   to.slips.clear();
   for (const PulleyLaw& law : pulley_law_) to.slips.push_back(law.slip);
   if (!stops) return Result::done;
@@ -2210,6 +2241,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     snap_ = std::move(snap);
     before = to.state;
     if (!jump(to, before)) return false;
+    note_impulses(to);
     to.rate.clear();
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       contacts_[c].presses = presses(c) && bounce_[c] == 0;

@@ -34,7 +34,15 @@ struct StepState {
   /// Candidates of links that are inside each other and do not touch until they are apart: rope
   /// that a cut freed can slide into rope near the cut.
   std::vector<std::uint32_t> inside;
-  std::vector<char> taut;              // per link: of a string, at its length
+  std::vector<char> taut;  // per link: of a string, at its length
+  /// An impulse (N s) of the jump at the end, of a contact or a link.
+  struct Impulse {
+    std::uint32_t of = 0;  // the candidate or the link
+    bool contact = false;
+    Vec3 place = Vec3::Zero();  // m, of a contact
+    double size = 0;
+  };
+  std::vector<Impulse> impulses;
   std::vector<Mechanism::Slip> slips;  // per pulley, in the last stage
   /// Of what presses, pulls and slides, as a number.
   std::uint64_t pattern() const;
@@ -93,6 +101,8 @@ class ImplicitStep {
     std::uint32_t row = 0;  // of the mechanism's rows or stretches
     double inertia = 1;     // kg, that a tension moves
   };
+  /// The touching point (m) of a candidate, on the surface of what it may touch.
+  Vec3 place_of(std::uint32_t candidate, const Meeting& at, const std::vector<double>& state) const;
   const std::vector<Link>& links() const { return links_; }
   Touches& touches() { return touches_; }
   const Mechanism& mechanism() const { return mechanism_; }
@@ -211,6 +221,7 @@ class ImplicitStep {
   void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);
   void keep_contacts(StepState& to);
   void find_inside(double touching, bool fresh, StepState& to);
+  void note_impulses(StepState& to);
   bool presses(std::size_t c) const;
   void hold_contacts();
   void measure_speed(const StepState& at);

@@ -85,8 +85,17 @@ void Touches::rebuild(const World& world, const Mechanism& mechanism) {
     of_body(meeting, capsules[meeting.body]);
   }
   radius_.clear();
-  for (const Connector& connector : world.connectors) {
+  particles_.clear();
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
     radius_.insert(radius_.end(), connector.particles(), connector.radius);
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      particles_.push_back({Forces::Side::Kind::particle, c, i});
+    }
+  }
+  free_.clear();
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (!world.bodies[b].driven()) free_.push_back(b);
   }
   for (const auto& meeting : contact::meetings_of_beads(world, mechanism, world.bead_pairs)) {
     candidates_.push_back({.a = meeting.body,
@@ -280,6 +289,21 @@ contact::Capsule Touches::capsule_of(const Mechanism& mechanism, const Candidate
   const double* pose = state + mechanism.pose(of.body);
   const Quat turn = quaternion(pose + 3).normalized();
   return {PartOf(pose) + turn * of.from, PartOf(pose) + turn * of.to, of.radius};
+}
+
+std::pair<Forces::Side, Forces::Side> Touches::sides(std::size_t candidate) const {
+  using Side = Forces::Side;
+  const Candidate& of = candidates_[candidate];
+  const auto of_rope = [&](std::uint32_t first, std::uint32_t second) {
+    Side side = particles_[first];
+    if (first != second) side.kind = Side::Kind::link;
+    return side;
+  };
+  const auto of_body = [&](std::uint32_t body) { return Side{Side::Kind::body, free_[body], 0}; };
+  const Side one = of.body != Candidate::kNone ? of_body(of.body) : of_rope(of.a, of.b);
+  if (of.is_at_rope()) return {one, of_rope(of.c, of.d)};
+  if (of.obstacle == Candidate::kNone) return {one, of_body(of.other)};
+  return {one, {Side::Kind::obstacle, of.obstacle, 0}};
 }
 
 bool Touches::is_distinct(const Mechanism& mechanism, std::size_t candidate,

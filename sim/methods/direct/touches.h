@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "sim/contact/capsule.h"
 #include "sim/contact/near_links.h"
 #include "sim/links/mechanism.h"
+#include "sim/run/forces.h"
 #include "sim/world/world.h"
 
 namespace taut::direct {
@@ -52,6 +54,10 @@ class Touches {
   /// Lists all candidates of a world. `mechanism` is laid out for it.
   void rebuild(const World& world, const Mechanism& mechanism);
 
+  /// The two sides of a candidate, in the indices of the world.
+  std::pair<Forces::Side, Forces::Side> sides(std::size_t candidate) const;
+  /// The radius (m) of a point's connector.
+  double radius(std::uint32_t point) const { return radius_[point]; }
   bool any() const { return !candidates_.empty() || links_.any(); }
   /// All that were near once: a candidate keeps its index.
   const std::vector<Candidate>& candidates() const { return candidates_; }
@@ -110,6 +116,8 @@ class Touches {
   contact::NearLinks links_;
   std::vector<ConnectorPair> rules_;
   std::vector<double> radius_;                // m, of each point's connector
+  std::vector<Forces::Side> particles_;       // of points
+  std::vector<std::size_t> free_;             // bodies of the mechanism, in World::bodies
   std::vector<std::uint32_t> leader_;         // of each point
   std::vector<char> moves_;                   // per point: it is free, or a free body carries it
   std::vector<std::uint32_t> next_, former_;  // per leader: its neighbours, or kNone
