@@ -281,6 +281,33 @@ TEST(Strings, AreStoppedByAPinAtItsMoment) {
   }
 }
 
+// A weight falls 1.95 m, past the place that its string is fixed to. One string takes what goes
+// along it; one of five light particles gives it back.
+TEST(Strings, OfSeveralLightParticlesThrowAWeightBack) {
+  for (const std::size_t particles : {2u, 6u}) {
+    World world = with_strings(worlds::chain(particles, 1, Vec3(0.3, 1, 0).normalized(), 1e-3));
+    world.connectors[0].particle_mass.back() = 1;
+    finish(world);
+    const double fallen = 1.0 + world.connectors[0].position.back().y();
+    Simulation simulation = by("direct", world);
+    double nearest = 1;
+    for (int frame = 1; frame <= 90; ++frame) {
+      simulation.advance_to(0.01 * frame);
+      if (frame > 64) {
+        nearest = std::min(nearest, simulation.world().connectors[0].position.back().norm());
+      }
+    }
+    const double lost = energy(world) - energy(simulation.world());
+    if (particles == 2) {
+      EXPECT_NEAR(nearest, 1, 1e-6);
+      EXPECT_GT(lost, 0.8 * worlds::kGravity * fallen);
+    } else {
+      EXPECT_LT(nearest, 0.5);
+      EXPECT_LT(lost, 0.02 * worlds::kGravity * fallen);
+    }
+  }
+}
+
 // The time stepping comes to the located events, by a power of two, as steps are halved.
 TEST(Strings, TwoSolversAgree) {
   Simulation truth = by("truth", folded(5));
