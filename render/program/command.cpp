@@ -1,8 +1,11 @@
 #include "render/program/command.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "render/program/help.h"
@@ -55,9 +58,20 @@ Option& Option::type_name(const std::string& of_value) {
   return *this;
 }
 
+namespace {
+
+/// A word that begins with two dashes is another option, and this one lacks its value.
+std::string refuse_option(const std::string& value) {
+  return value.starts_with("--") ? fmt::format("found {}, expected a value", value) : "";
+}
+
+}  // namespace
+
 template <class Value>
 Option Command::add_option(const std::string& names, Value& value, const std::string& help) {
-  return Option(*app_->add_option(names, value, help));
+  CLI::Option* option = app_->add_option(names, value, help);
+  if constexpr (std::is_same_v<Value, std::string>) option->check(refuse_option, "");
+  return Option(*option);
 }
 
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
