@@ -49,7 +49,7 @@ TEST(Program, MisuseIsTwo) {
            {"simulate"},
            {"simulat", "scene.toml"},
            {"simulate", "scene.toml", "--frobnicate"},
-           {"simulate", "scene.toml", "--csv", "--json"},
+           {"simulate", "scene.toml", "--csv", "--out"},
            {"simulate", "scene.toml", "--fps", "0"},
            {"simulate", "scene.toml", "--fps", "many"},
            {"simulate", "scene.toml", "--step", "-1"},
