@@ -66,17 +66,17 @@ struct LargestForces {
   int none = 0;  // frames in which no forces satisfy the laws
 
   void add(const World& world, const Forces& now) {
-    const auto raise = [&](Largest& to, double force, const exporting::Named& at) {
+    const auto raise = [&](Largest& to, double force, const Named& at) {
       if (force > to.force) to = {force, now.time, at.name, at.part};
     };
     for (const Forces::Link& at : now.links) {
-      raise(tension, std::abs(at.tension), exporting::named(world, at));
+      raise(tension, std::abs(at.tension), named(world, at));
     }
     for (const Forces::Hold& at : now.holds) {
-      raise(hold, at.force.norm(), exporting::named(world, at));
+      raise(hold, at.force.norm(), named(world, at));
     }
     for (const Forces::Contact& at : now.contacts) {
-      raise(contact, at.force.norm(), exporting::named(world, at.one));
+      raise(contact, at.force.norm(), named(world, at.one));
     }
   }
 };

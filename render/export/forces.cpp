@@ -26,38 +26,11 @@ std::string holder(const World& world, const Forces::Hold& hold) {
   return "";
 }
 
-std::string link(std::size_t first) {
-  return fmt::format("{}-{}", first, first + 1);
-}
-
 std::string cells(const Named& of) {
   return of.name + ',' + of.part;
 }
 
 }  // namespace
-
-Named named(const World& world, const Forces::Link& of) {
-  return {world.connectors[of.connector].name, link(of.link)};
-}
-
-Named named(const World& world, const Forces::Hold& of) {
-  return {world.connectors[of.connector].name, fmt::to_string(of.particle)};
-}
-
-Named named(const World& world, const Forces::Side& of) {
-  using Kind = Forces::Side::Kind;
-  switch (of.kind) {
-    case Kind::particle:
-      return {world.connectors[of.index].name, fmt::to_string(of.at)};
-    case Kind::link:
-      return {world.connectors[of.index].name, link(of.at)};
-    case Kind::body:
-      return {world.bodies[of.index].name, ""};
-    case Kind::obstacle:
-      return {world.obstacles[of.index].name, ""};
-  }
-  return {};
-}
 
 std::string forces_header() {
   return "t,what,of,part,with,with_part,x,y,z,fx,fy,fz,size\n";
@@ -66,8 +39,7 @@ std::string forces_header() {
 std::string forces_rows(const World& world, const Forces& forces, std::span<const Event> events) {
   std::string text;
   for (const Event& event : events) {
-    constexpr const char* kKinds[] = {"taut", "impulse", "slack", "hit", "leave", "slide", "stick"};
-    const char* kind = kKinds[static_cast<std::size_t>(event.kind)];
+    const std::string_view kind = kind_name(event.kind);
     const bool strikes = event.kind == Event::Kind::impulse || event.kind == Event::Kind::hit;
     const std::string size = strikes ? fmt::format("{:.17g}", event.size) : "";
     if (event.of_contact) {

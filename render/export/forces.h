@@ -15,14 +15,6 @@ namespace taut::exporting {
 /// of an impulse N s).
 std::string forces_header();
 
-/// The name of a connector, body or obstacle, and its part: a particle (3), a link (3-4), or none.
-struct Named {
-  std::string name, part;
-};
-Named named(const World& world, const Forces::Link& of);
-Named named(const World& world, const Forces::Hold& of);
-Named named(const World& world, const Forces::Side& of);
-
 /// The rows of a state and of the events before it.
 std::string forces_rows(const World& world, const Forces& forces, std::span<const Event> events);
 

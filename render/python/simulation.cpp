@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "render/python/errors.h"
 #include "render/python/world.h"
 #include "sim/measure/measure.h"
+#include "sim/run/forces.h"
 
 namespace taut::python {
 namespace {
@@ -68,11 +70,13 @@ void SimulationObject::advance(double until) {
   }
   const Turn turn(taken_);
   const py::gil_scoped_release unlocked;
+  events_.clear();
   do {
     const auto begin = Clock::now();
     const double next = next_stop(until);
     detach_before(next);
     simulation_.advance_to(next);
+    for (const Event& event : simulation_.take_events()) events_.push_back(event);
     const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
     if (spent < kSlice / 2) stride_ *= 2;
     if (spent > kSlice && stride_ > 1) stride_ /= 2;
@@ -160,6 +164,61 @@ py::dict counters(const SimulationObject& object) {
   return all;
 }
 
+py::tuple cells(const Named& of) {
+  return py::make_tuple(of.name, of.part);
+}
+
+py::array array_of(const Vec3& v) {
+  return py::array_t<double>(3, v.data());
+}
+
+py::dict forces(const SimulationObject& object) {
+  using namespace py::literals;
+  const World& world = object.world();
+  const Forces found = forces_of(world);
+  std::map<std::string, std::vector<double>> tensions;
+  for (const Forces::Link& at : found.links) {
+    tensions[world.connectors[at.connector].name].push_back(at.tension);
+  }
+  py::dict by_name;
+  for (const auto& [name, of] : tensions) {
+    by_name[py::str(name)] = py::array_t<double>(static_cast<py::ssize_t>(of.size()), of.data());
+  }
+  py::list holds, contacts;
+  for (const Forces::Hold& at : found.holds) {
+    holds.append(py::dict("connector"_a = world.connectors[at.connector].name,
+                          "particle"_a = at.particle, "place"_a = array_of(at.place),
+                          "force"_a = array_of(at.force)));
+  }
+  for (const Forces::Contact& at : found.contacts) {
+    contacts.append(py::dict("of"_a = cells(named(world, at.one)),
+                             "other"_a = cells(named(world, at.other)),
+                             "place"_a = array_of(at.place), "normal"_a = array_of(at.normal),
+                             "force"_a = array_of(at.force)));
+  }
+  return py::dict("tensions"_a = by_name, "holds"_a = holds, "contacts"_a = contacts);
+}
+
+py::list events(const SimulationObject& object) {
+  using namespace py::literals;
+  const World& world = object.world();
+  py::list all;
+  for (const Event& event : object.events()) {
+    py::dict told("kind"_a = std::string(kind_name(event.kind)), "time"_a = event.time,
+                  "size"_a = event.size);
+    if (event.of_contact) {
+      told["of"] = cells(named(world, event.one));
+      told["other"] = cells(named(world, event.other));
+      told["place"] = array_of(event.place);
+    } else {
+      told["of"] =
+          py::make_tuple(world.connectors[event.connector].name, std::to_string(event.span));
+    }
+    all.append(told);
+  }
+  return all;
+}
+
 }  // namespace
 
 void add_simulation(py::module_& module) {
@@ -230,6 +289,19 @@ the simulation's memory alive. A body that is simulated as a link is a particle 
            "A body's own frame as a new array (7,): x, y, z (m), qw, qx, qy, qz.")
       .def("passed", &Sim::passed, "pulley"_a,
            "How much rope has passed a scene's pulley since the start, m.")
+      .def("forces", &forces,
+           R"(The forces that the scene's laws give in the present state, in newtons.
+
+tensions: of each connector's links, an array (links,), negative where one pushes; where there are
+some. holds: a list of dicts with connector, particle, place (3,) in m and force (3,) on the
+particle. contacts: a list of dicts with of and other, each (name, part), place (3,), normal (3,) out
+of the other and force (3,). Raises Diverged where no forces satisfy the laws.)")
+      .def_property_readonly("events", &events,
+                             R"(What happened in the last advance(), in order of time.
+
+A list of dicts: kind (taut, impulse, slack; of contacts hit, impulse, leave, slide, stick), time
+(s), size (N s, of a hit or an impulse, else 0), of (name, part) and, of contacts, other (name, part)
+and place (3,) in m.)")
       .def_property_readonly(
           "time", [](const Sim& sim) { return sim.world().time; }, "s")
       .def_property_readonly(

@@ -32,6 +32,8 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   /// The body's own frame: x, y, z (m), qw, qx, qy, qz.
   py::array pose(const std::string& body) const;
   double passed(const std::string& pulley) const;
+  /// Of the last advance().
+  const std::vector<Event>& events() const { return events_; }
 
   /// The simulation, which no other thread may be changing: throws std::runtime_error where one is.
   const Simulation& simulation() const {
@@ -55,6 +57,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   std::vector<double> happens_;  // s, rising, of these
   std::size_t happened_ = 0;
   Simulation simulation_;
+  std::vector<Event> events_;
   Windows windows_;
   mutable bool taken_ = false;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "sim/world/world.h"
@@ -51,5 +52,13 @@ struct Forces {
 /// only pull. Throws Diverged where no forces satisfy the laws, as where a method has left things
 /// deep in each other. Cost: two steps of the method `direct` with contact.
 Forces forces_of(const World& world);
+
+/// The name of a connector, body or obstacle, and its part: a particle (3), a link (3-4), or none.
+struct Named {
+  std::string name, part;
+};
+Named named(const World& world, const Forces::Link& of);
+Named named(const World& world, const Forces::Hold& of);
+Named named(const World& world, const Forces::Side& of);
 
 }  // namespace taut

@@ -188,6 +188,12 @@ bool has_hinges(const World& world) {
   });
 }
 
+std::string_view kind_name(Event::Kind kind) {
+  constexpr std::string_view kNames[] = {"taut",  "impulse", "slack", "hit",
+                                         "leave", "slide",   "stick"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
 Event in_world(Event event, std::span<const std::size_t> connectors,
                std::span<const std::size_t> bodies) {
   if (!event.of_contact) {

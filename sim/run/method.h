@@ -69,6 +69,9 @@ struct Event {
   bool of_contact = false;
 };
 
+/// Its name: taut, impulse ...
+std::string_view kind_name(Event::Kind kind);
+
 /// An event of a part of a world: with the indices of the world's connectors and bodies.
 Event in_world(Event event, std::span<const std::size_t> connectors,
                std::span<const std::size_t> bodies);

@@ -95,6 +95,32 @@ class Worlds(unittest.TestCase):
             world.hold("rope")
 
 
+class Forces(unittest.TestCase):
+    def test_a_hanging_rope_pulls_with_what_is_below(self):
+        world = taut.World()
+        world.add_connector("rope", [[0, 0, 0], [0, -1, 0], [0, -2, 0]], 0.3)
+        world.hold("rope", 0, point=[0, 0, 0])
+        forces = taut.Simulation(world, "direct").forces()
+        self.assertLess(numpy.abs(forces["tensions"]["rope"] - 9.81 * numpy.array([0.2, 0.1])).max(), 1e-5)
+        (hold,) = forces["holds"]
+        self.assertEqual((hold["connector"], hold["particle"]), ("rope", 0))
+        self.assertLess(numpy.abs(hold["force"] - [0, 9.81 * 0.3, 0]).max(), 1e-5)
+        self.assertEqual(forces["contacts"], [])
+
+    def test_a_rod_that_swings_pulls_three_times_its_weight(self):
+        # Of Huygens: released level, at its lowest point m g + m v^2 / l = 3 m g.
+        world = taut.World()
+        world.add_connector("rod", [[0, 0, 0], [1, 0, 0]], 0.2)
+        world.hold("rod", 0, point=[0, 0, 0])
+        simulation = taut.Simulation(world, "direct", tolerance=1e-9)
+        most = 0
+        for step in range(1, 101):
+            simulation.advance(step * 0.01)
+            most = max(most, simulation.forces()["tensions"]["rod"][0])
+        self.assertAlmostEqual(most, 3 * 0.1 * 9.81, delta=0.01)
+        self.assertEqual(simulation.events, [])
+
+
 class Arrays(unittest.TestCase):
     def test_show_the_present_state_without_a_copy(self):
         simulation = taut.Simulation(rope())
