@@ -204,8 +204,9 @@ TEST(ReadmeCommands, ShortFormsRun) {
   const Folder folder;
   for (const auto& file : pages()) {
     for (std::string command : read_page(read_file(file)).quick) {
-      const std::size_t at = command.find("FOLDER");
-      if (at != std::string::npos) command.replace(at, 6, folder.path().string());
+      while (command.find("FOLDER") != std::string::npos) {
+        command.replace(command.find("FOLDER"), 6, folder.path().string());
+      }
       std::vector<std::string> words = words_of(command);
       ASSERT_FALSE(words.empty()) << file << ": " << command;
       words[0] = program_of(words[0]).string();
