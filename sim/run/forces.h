@@ -45,12 +45,14 @@ struct Forces {
 };
 
 /// The forces that the laws of the scene give in the world's state, whichever method led there, to
-/// about a millionth. Rigid links count as long as they are, and velocities that would change their
-/// lengths as the nearest that do not. Surfaces nearer than 1e-5 of the longest connector touch.
-/// Rigid links and surfaces that share a load in more than one way, as a table on four legs, share
-/// it evenly. Forces of impacts and moments of clamps are left out. Massless spans are links that
-/// only pull. Throws Diverged where no forces satisfy the laws, as where a method has left things
-/// deep in each other. Cost: two steps of the method `direct` with contact.
+/// about a millionth where nothing slides. Rigid links count as long as they are, and velocities
+/// that would change their lengths as the nearest that do not. Surfaces nearer than 1e-5 of the
+/// longest connector touch. Rigid links and surfaces that share a load in more than one way, as a
+/// table on four legs, share it evenly. Forces of impacts and moments of clamps are left out.
+/// Massless spans are links that only pull. Throws Diverged where none are found that are in
+/// balance with weight and inertia to a ten-thousandth, as where a method has left things deep in
+/// each other, or masses are 1e12 times as large as others. Cost: a few steps of the method
+/// `direct` with contact.
 Forces forces_of(const World& world);
 
 /// The name of a connector, body or obstacle, and its part: a particle (3), a link (3-4), or none.

@@ -161,6 +161,21 @@ TEST(Forces, OfAHingeCarryTheBody) {
   EXPECT_NEAR(forces.holds[1].force.y(), -weight, 1e-6 * weight);
 }
 
+// A light chain carries a weight, or is refused where rounding leaves no digit of the forces.
+TEST(Forces, OfHeavyLoadsAreRightOrRefused) {
+  for (const double load : {1e3, 1e6, 1e9, 1e12, 1e15}) {
+    World world = worlds::chain(5, 1, -Vec3::UnitY());
+    world.connectors[0].particle_mass.back() = load;
+    finish(world);
+    try {
+      const double near = (load < 1e9 ? 1e-6 : 1e-2) * load * kGravity;
+      EXPECT_NEAR(forces_of(world).links.back().tension, load * kGravity, near);
+    } catch (const Diverged&) {
+      EXPECT_GE(load, 1e9);
+    }
+  }
+}
+
 TEST(Forces, OfNothingAndOfNoNumbersAreNone) {
   World nothing;
   finish(nothing);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -19,6 +20,9 @@ using PartOf = Eigen::Map<const Vec3>;
 constexpr double kTouching = 1e-5;       // of the longest connector
 constexpr double kShortStep = 1e-4;      // of the time in which the shortest link falls its length
 constexpr double kShortestStep = 1e-13;  // s
+constexpr double kStays = 1e-8;          // of the largest force
+constexpr int kMostRounds = 20;
+constexpr double kBalanced = 1e-4;  // of the largest force or weight, and of accelerations
 
 std::size_t at_of(const Forces::Link& link) {
   return link.link;
@@ -48,18 +52,18 @@ class Finder {
     step_.set_lowest_speeds(std::sqrt(2 * world_.gravity.norm() * kTouching * length),
                             kTouching * length);
     if (!step_.load(world_, from_, kTouching * length)) fail();
-    double h = kShortStep * shortest_time();
-    while (!take(h)) {
-      h /= 10;
-      if (h < kShortestStep) fail();
+    // Stiff materials need a step that follows their waves.
+    for (double h = kShortStep * shortest_time(); h > kShortestStep; h /= 10) {
+      if (!take(h) || !refine(h)) continue;
+      Forces made{.time = world_.time};
+      step_.mechanism().place_and_measure(from_.time, from_.state.data());
+      on_point_.assign(step_.mechanism().points(), Vec3::Zero());
+      add_links(made);
+      add_contacts(made);
+      add_holds(made);
+      if (is_in_balance(h)) return made;
     }
-    Forces made{.time = world_.time};
-    step_.mechanism().place_and_measure(from_.time, from_.state.data());
-    on_point_.assign(step_.mechanism().points(), Vec3::Zero());
-    add_links(made);
-    add_contacts(made);
-    add_holds(h, made);
-    return made;
+    fail();
   }
 
  private:
@@ -71,6 +75,7 @@ class Finder {
 
   double shortest_time() const {
     double shortest = length_scale(world_), fastest = 0;
+    if (!(shortest > 0)) shortest = 1;
     for (const Connector& connector : world_.connectors) {
       for (const double rest : connector.rest) {
         if (rest > 0) shortest = std::min(shortest, rest);
@@ -86,6 +91,30 @@ class Finder {
     using Result = ImplicitStep::Result;
     return step_.step(from_, h, 0, false, whole_) != Result::failed &&
            step_.step(from_, h / 2, 0, false, half_) != Result::failed;
+  }
+
+  /// Newton's method ends where velocities stay, and forces between masses of very different size
+  /// may still change: it begins again from them until they stay, too. Forces that share a load in
+  /// more than one way may never stay.
+  bool refine(double h) {
+    for (int round = 0; round < kMostRounds; ++round) {
+      double change = 0, most = 0;
+      for (std::size_t k = 0; k < from_.tension.size(); ++k) {
+        if (step_.links()[k].soft) continue;
+        change = std::max(change, std::abs(half_.tension[k] - from_.tension[k]));
+        most = std::max(most, std::abs(half_.tension[k]));
+        from_.tension[k] = half_.tension[k];
+      }
+      for (std::size_t c = 0; c < from_.contacts.size(); ++c) {
+        const Vec3& force = half_.contacts[c].force;
+        change = std::max(change, (force - from_.contacts[c].force).norm());
+        most = std::max(most, force.norm());
+        from_.contacts[c].force = force;
+      }
+      if (change <= kStays * most) return true;
+      if (!take(h)) return false;
+    }
+    return true;
   }
 
   /// A force that may not pull, or not push, does not after extrapolation.
@@ -165,8 +194,38 @@ class Finder {
     }
   }
 
+  /// Of the last stage, as the forces are: m/s^2.
+  std::optional<Vec3> acceleration(std::size_t point) const {
+    const auto half = step_.acceleration(point, half_), whole = step_.acceleration(point, whole_);
+    if (!half || !whole) return std::nullopt;
+    return 2 * *half - *whole;
+  }
+
+  /// All forces on a free point accelerate it, and rods keep their lengths.
+  bool is_in_balance(double h) {
+    const Mechanism& mechanism = step_.mechanism();
+    double most = 0, off = 0;
+    double fastest = length_scale(world_) / std::pow(shortest_time(), 2);  // m/s^2
+    for (std::size_t p = 0; p < mechanism.points(); ++p) {
+      if (!(mechanism.inverse_mass()[p] > 0)) continue;
+      const double mass = 1 / mechanism.inverse_mass()[p];
+      const Vec3 own = *acceleration(p) - world_.gravity;
+      most = std::max({most, on_point_[p].norm(), mass * world_.gravity.norm()});
+      off = std::max(off, (mass * own - on_point_[p]).norm());
+      fastest = std::max(fastest, own.norm());
+    }
+    // Rope that passes a pulley has forces of its flow beside these.
+    if (!mechanism.has_winches() && !(off <= kBalanced * most)) return false;
+    step_.mechanism().place_and_measure(half_.time, half_.state.data());
+    for (const ImplicitStep::Link& link : step_.links()) {
+      if (link.soft || link.pulls) continue;
+      if (!(std::abs(mechanism.rate()[link.row]) <= kBalanced * h * fastest)) return false;
+    }
+    return std::ranges::all_of(on_point_, [](const Vec3& force) { return force.allFinite(); });
+  }
+
   /// The force of a hold accelerates its particle against all others.
-  void add_holds(double h, Forces& made) {
+  void add_holds(Forces& made) {
     const Mechanism& mechanism = step_.mechanism();
     mechanism.material().add_bends(from_.state.data(), velocity(0).data(), on_point_);
     mechanism.material().add_drag(from_.state.data(), velocity(0).data(), on_point_);
@@ -181,13 +240,10 @@ class Finder {
     for (std::size_t c = 0; c < world_.connectors.size(); ++c) {
       for (const Hold& hold : world_.connectors[c].holds) {
         const std::size_t p = mechanism.leader(first + hold.particle);
-        const std::size_t at = mechanism.velocity(p);
-        const auto rate = [&](const StepState& to, double time) {
-          return Vec3((PartOf(&to.state[at]) - PartOf(&from_.state[at])) / time);
-        };
-        const Vec3 acceleration = 2 * rate(half_, h / 2) - rate(whole_, h);
+        const Vec3 at =
+            acceleration(p).value_or(hold_motion(world_, hold.to, from_.time).acceleration);
         made.holds.push_back(
-            {c, hold.particle, place(p), mass[p] * (acceleration - world_.gravity) - on_point_[p]});
+            {c, hold.particle, place(p), mass[p] * (at - world_.gravity) - on_point_[p]});
       }
       first += world_.connectors[c].particles();
     }

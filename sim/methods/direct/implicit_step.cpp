@@ -1472,6 +1472,15 @@ void ImplicitStep::note_impulses(StepState& to) {
   }
 }
 
+std::optional<Vec3> ImplicitStep::acceleration(std::size_t point, const StepState& to) const {
+  if (mechanism_.inverse_mass()[point] > 0) return vec(&to.rate[node_[point]]);
+  if (carried_[point] == kHeld) return std::nullopt;
+  const Mechanism::BodyPoint& at = mechanism_.body_points()[carried_[point]];
+  const Vec3 spin = vec(&to.state[mechanism_.twist(at.body) + 3]);
+  return vec(&to.rate[body_[at.body]]) + vec(&to.rate[body_[at.body] + 3]).cross(at.arm) +
+         spin.cross(spin.cross(at.arm));
+}
+
 Vec3 ImplicitStep::place_of(std::uint32_t candidate, const Meeting& at,
                             const std::vector<double>& state) const {
   const Candidate& of = touches_.candidates()[candidate];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -101,6 +102,9 @@ class ImplicitStep {
     std::uint32_t row = 0;  // of the mechanism's rows or stretches
     double inertia = 1;     // kg, that a tension moves
   };
+  /// The acceleration (m/s^2) of a point in the last stage of the step that made `to`. Nothing
+  /// where a path or nothing moves it.
+  std::optional<Vec3> acceleration(std::size_t point, const StepState& to) const;
   /// The touching point (m) of a candidate, on the surface of what it may touch.
   Vec3 place_of(std::uint32_t candidate, const Meeting& at, const std::vector<double>& state) const;
   const std::vector<Link>& links() const { return links_; }
