@@ -214,14 +214,16 @@ class Finder {
       off = std::max(off, (mass * own - on_point_[p]).norm());
       fastest = std::max(fastest, own.norm());
     }
-    // Rope that passes a pulley has forces of its flow beside these.
-    if (!mechanism.has_winches() && !(off <= kBalanced * most)) return false;
+    const auto is_number = [](const Vec3& force) { return force.allFinite(); };
+    if (!std::ranges::all_of(on_point_, is_number)) return false;
+    // Rope that passes a pulley has forces of its flow beside these, and other lengths.
+    if (mechanism.has_winches()) return true;
+    if (!(off <= kBalanced * most)) return false;
     step_.mechanism().place_and_measure(half_.time, half_.state.data());
-    for (const ImplicitStep::Link& link : step_.links()) {
-      if (link.soft || link.pulls) continue;
-      if (!(std::abs(mechanism.rate()[link.row]) <= kBalanced * h * fastest)) return false;
-    }
-    return std::ranges::all_of(on_point_, [](const Vec3& force) { return force.allFinite(); });
+    return std::ranges::all_of(step_.links(), [&](const ImplicitStep::Link& link) {
+      return link.soft || link.pulls ||
+             std::abs(mechanism.rate()[link.row]) <= kBalanced * h * fastest;
+    });
   }
 
   /// The force of a hold accelerates its particle against all others.
