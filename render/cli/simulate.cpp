@@ -273,10 +273,23 @@ std::string csv_file(const Options& options) {
   return options::results_folder(options.scene, options.csv, true).string() + ".csv";
 }
 
+void refuse_wrong_forces(const Options& options) {
+  const std::string& file = options.forces;
+  const auto refuse = [&](const char* why) {
+    throw program::Misuse(fmt::format("--forces {}: {}", file, why));
+  };
+  if (file.empty()) return;
+  if (options.inputs.several()) refuse("one file for several scenes, expected one scene");
+  if (file == "-" || render::is_standard_output(file)) {
+    refuse("standard output is the trajectory's, expected a file");
+  }
+  if (file == options.csv) refuse("the trajectory's file (--csv), expected another");
+}
+
 /// How far off the run is, in place of its trajectory.
 int score(const scenes::Scene& scene, const Options& options, const program::Common& common) {
-  if (!options.csv.empty())
-    throw program::Misuse("--score: makes no trajectory, expected no --csv");
+  if (!options.csv.empty() || !options.forces.empty())
+    throw program::Misuse("--score: makes no trajectory, expected neither --csv nor --forces");
   options::refuse_beyond({.memory = options::simulation_needs(scene).memory}, scene,
                          options.max_memory, "", "", common.quiet);
   if (!common.quiet) program::note("solving the truth\n");
@@ -299,11 +312,8 @@ int run(const Options& options, const program::Common& common) {
   scenes::Scene scene = options::load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = options::chosen_method(options.method, scene);
+  refuse_wrong_forces(options);
   if (options.score) return score(scene, options, common);
-  if (!options.forces.empty() && options.inputs.several()) {
-    throw program::Misuse(fmt::format(
-        "--forces {}: one file for several scenes, expected one scene", options.forces));
-  }
   const bool to_output = options.csv == "-" || render::is_standard_output(options.csv);
   if (to_output && common.json) {
     throw program::Misuse(

@@ -69,10 +69,11 @@ struct Event {
   bool of_contact = false;
 };
 
-/// Its name: taut, impulse ...
+/// The name of a kind of event: taut, impulse ...
 std::string_view kind_name(Event::Kind kind);
 
-/// An event of a part of a world: with the indices of the world's connectors and bodies.
+/// The event of a part of a world, with the world's indices in place of the part's: `connectors`
+/// and `bodies` list the world's index of each connector and body of the part.
 Event in_world(Event event, std::span<const std::size_t> connectors,
                std::span<const std::size_t> bodies);
 

@@ -24,28 +24,9 @@ constexpr double kStays = 1e-8;          // of the largest force
 constexpr int kMostRounds = 20;
 constexpr double kBalanced = 1e-4;  // of the largest force or weight, and of accelerations
 
-std::size_t at_of(const Forces::Link& link) {
-  return link.link;
-}
-std::size_t at_of(const Forces::Hold& hold) {
-  return hold.particle;
-}
-
-/// The particle of a point.
-struct Particle {
-  std::size_t connector = 0, index = 0;
-};
-
 class Finder {
  public:
-  explicit Finder(const World& world) : world_(world) {
-    step_.rebuild(world);
-    for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-      for (std::size_t i = 0; i < world.connectors[c].particles(); ++i) {
-        particles_.push_back({c, i});
-      }
-    }
-  }
+  explicit Finder(const World& world) : world_(world) { step_.rebuild(world); }
 
   Forces find() {
     const double length = length_scale(world_);
@@ -86,7 +67,7 @@ class Finder {
     return fastest > 0 ? std::min(falls, shortest / fastest) : falls;
   }
 
-  /// Two steps of h (s) and of half of that, whose forces are extrapolated to none.
+  /// Takes a step of h (s) and one of h / 2. Their forces are extrapolated to a step of no length.
   bool take(double h) {
     using Result = ImplicitStep::Result;
     return step_.step(from_, h, 0, false, whole_) != Result::failed &&
@@ -117,7 +98,7 @@ class Finder {
     return true;
   }
 
-  /// A force that may not pull, or not push, does not after extrapolation.
+  /// A force that is zero in one of the steps stays as it is.
   static double extrapolated(double half, double whole) {
     return half == 0 || whole == 0 ? half : 2 * half - whole;
   }
@@ -194,7 +175,7 @@ class Finder {
     }
   }
 
-  /// Of the last stage, as the forces are: m/s^2.
+  /// The acceleration of the stage that the forces belong to, m/s^2. A path's points have none.
   std::optional<Vec3> acceleration(std::size_t point) const {
     const auto half = step_.acceleration(point, half_), whole = step_.acceleration(point, whole_);
     if (!half || !whole) return std::nullopt;
@@ -234,9 +215,9 @@ class Finder {
     mechanism.material().add_twists(from_.state.data(), velocity(0).data(), on_point_);
     if (mechanism.has_winches()) mechanism.add_flow(from_.state.data(), on_point_);
     std::vector<double> mass(mechanism.points());
-    for (std::size_t p = 0; p < mass.size(); ++p) {
-      const Particle at = particles_[p];
-      mass[mechanism.leader(p)] += world_.connectors[at.connector].particle_mass[at.index];
+    std::size_t point = 0;
+    for (const Connector& connector : world_.connectors) {
+      for (const double own : connector.particle_mass) mass[mechanism.leader(point++)] += own;
     }
     std::size_t first = 0;
     for (std::size_t c = 0; c < world_.connectors.size(); ++c) {
@@ -254,8 +235,7 @@ class Finder {
   const World& world_;
   ImplicitStep step_;
   StepState from_, whole_, half_;
-  std::vector<Particle> particles_;  // of points
-  std::vector<Vec3> on_point_;       // N, but for those of holds
+  std::vector<Vec3> on_point_;  // N, without the forces of holds
 };
 
 /// Rigid links get the lengths that they have, and strings at least these: methods that stretch
@@ -279,37 +259,33 @@ Forces find_forces(const World& world) {
   spans.rebuild(world);
   spans.read(world);
   Forces made = Finder(spans.world()).find();
-  const auto span_of = [&](std::size_t connector) -> const Span* {
-    for (const auto& place : spans.places()) {
-      if (place.string == connector) return &place.span;
-    }
-    return nullptr;
-  };
+  std::vector<const Span*> spans_of(spans.world().connectors.size());  // null: not a span
+  for (const auto& place : spans.places()) spans_of[place.string] = &place.span;
   for (Forces::Link& link : made.links) {
-    const Span* span = span_of(link.connector);
-    if (!span) continue;
-    link.connector = span->connector;
-    link.link = span->a.particle;
+    if (const Span* span = spans_of[link.connector]) {
+      link.connector = span->connector;
+      link.link = span->a.particle;
+    }
   }
-  std::vector<Forces::Hold> holds;  // two spans may share one
-  for (Forces::Hold hold : made.holds) {
-    if (const Span* span = span_of(hold.connector)) {
+  for (Forces::Hold& hold : made.holds) {
+    if (const Span* span = spans_of[hold.connector]) {
       hold.connector = span->connector;
       hold.particle = hold.particle == 0 ? span->a.particle : span->b.particle;
     }
-    const auto same = std::ranges::find_if(holds, [&](const Forces::Hold& other) {
-      return other.connector == hold.connector && other.particle == hold.particle;
-    });
-    if (same == holds.end()) {
-      holds.push_back(hold);
+  }
+  const auto link_of = [](const Forces::Link& at) { return std::pair(at.connector, at.link); };
+  const auto hold_of = [](const Forces::Hold& at) { return std::pair(at.connector, at.particle); };
+  std::ranges::stable_sort(made.links, {}, link_of);
+  std::ranges::stable_sort(made.holds, {}, hold_of);
+  std::vector<Forces::Hold> holds;
+  for (const Forces::Hold& hold : made.holds) {
+    if (!holds.empty() && hold_of(holds.back()) == hold_of(hold)) {  // two spans share it
+      holds.back().force += hold.force;
     } else {
-      same->force += hold.force;
+      holds.push_back(hold);
     }
   }
   made.holds = std::move(holds);
-  const auto place_of = [](const auto& force) { return std::pair(force.connector, at_of(force)); };
-  std::ranges::stable_sort(made.links, {}, place_of);
-  std::ranges::stable_sort(made.holds, {}, place_of);
   return made;
 }
 

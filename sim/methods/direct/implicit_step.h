@@ -102,8 +102,8 @@ class ImplicitStep {
     std::uint32_t row = 0;  // of the mechanism's rows or stretches
     double inertia = 1;     // kg, that a tension moves
   };
-  /// The acceleration (m/s^2) of a point in the last stage of the step that made `to`. Nothing
-  /// where a path or nothing moves it.
+  /// The acceleration (m/s^2) of a point in the last stage of the step that made `to`. A point that
+  /// is fixed or follows a path has none.
   std::optional<Vec3> acceleration(std::size_t point, const StepState& to) const;
   /// The touching point (m) of a candidate, on the surface of what it may touch.
   Vec3 place_of(std::uint32_t candidate, const Meeting& at, const std::vector<double>& state) const;
