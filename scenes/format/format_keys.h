@@ -80,18 +80,6 @@ inline KeyFormat static_friction() {
           .maximum = kMostFriction};
 }
 
-inline KeyFormat touches_itself() {
-  return {.name = "touches_itself",
-          .type = Type::flag,
-          .meaning =
-              "Whether its links touch each other, as capsules of its radius, and those of "
-              "its copies or cords; default: false."};
-}
-
-inline KeyFormat own_friction() {
-  return friction("Coulomb's coefficient where it touches itself, of what slides; default: 0.");
-}
-
 /// Keys of a number over time.
 inline TableFormat number_keys(const char* name, const char* meaning, const char* unit,
                                double most) {
@@ -124,6 +112,9 @@ const TableFormat& path_format();
 const TableFormat& obstacle_format();
 const TableFormat& touching_format();
 const TableFormat& material_format();
+/// Keys of a connector that the cords of a net have, too, and which of them exclude each other.
+std::vector<KeyFormat> cord_keys();
+std::vector<Alternatives> cord_alternatives();
 const TableFormat& drag_format();
 const TableFormat& air_format();
 const TableFormat& net_format();

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "scenes/format/format_keys.h"
 #include "scenes/format/scene_keys.h"
@@ -125,97 +126,69 @@ const TableFormat& repeat_format() {
 }
 
 const TableFormat& connector_format() {
-  static const TableFormat format{
-      {needed(not_negative("length", "Of all links together; 0: a joint of two particles.", "m")),
-       not_negative("mass",
-                    "Shared evenly by the particles, ends included; with a taper or in a closed "
-                    "loop by the links, whose ends have half each.",
-                    "kg"),
-       needed({.name = "particles",
-               .meaning = "How many; one more than links.",
-               .unit = "",
-               .minimum = 2,
-               .maximum = kMostParticles,
-               .whole = true}),
-       {.name = "restitution",
-        .meaning = "Coefficient of restitution when the connector goes taut.",
-        .minimum = 0,
-        .maximum = 1,
-        .formerly = "elasticity"},
-       needed(table("from", "What holds the first particle.", end_format())),
-       needed(table("to", "What holds the last particle.", end_format())),
-       table("start",
-             "Its shape at the start; default: hanging between ends whose places are "
-             "known, as one with those that are joined to it end to end, else straight along "
-             "gravity.",
-             start_format()),
-       {.name = "over",
-        .type = Type::texts,
-        .meaning = "Names of the pulleys that the rope passes, from its first end to its last. Its "
-                   "spans between them are connectors NAME, NAME#2 and so on, of so many "
-                   "`particles` each. Where both of its ends are held and the length is within "
-                   "1e-4 of taut, it starts taut.",
-        .least = 1},
-       table("repeat", "Copies in a row; a second entry: copies of that row, and so on.",
-             repeat_format(), Type::tables),
-       {.name = "model",
-        .type = Type::choice,
-        .meaning = "Rigid links with mass, or a massless span.",
-        .choices = {"links", "span"}},
-       {.name = "links",
-        .type = Type::choice,
-        .meaning = "Rigid rods, or strings that only pull: inextensible, and free to fold.",
-        .choices = {"rigid", "pull"}},
-       {.name = "look",
-        .type = Type::choice,
-        .meaning = "How it is drawn.",
-        .choices = {"chain", "rope", "cord"}},
-       not_negative(
-           "radius",
-           "Of its particles, as beads that touch obstacles; default: half of the diameter "
-           "as drawn.",
-           "m"),
-       {.name = "contact",
-        .type = Type::choice,
-        .meaning = "What touches obstacles: its beads, or the links between them as well, as "
-                   "capsules.",
-        .choices = {"beads", "links"}},
-       touches_itself(),
-       own_friction(),
-       static_friction(),
-       positive("diameter", "As drawn: of the rope or cord, or across a link of the chain.", "m"),
-       color("color", "Linear colour."),
-       positive("axial_stiffness", "EA: tension per strain; default: links are rigid.", "N"),
-       not_negative("axial_damping", "Tension per rate of strain, of links that stretch.", "N s"),
-       not_negative("bending_stiffness", "EI: moment per curvature; default: it bends freely.",
-                    "N m^2"),
-       not_negative("bending_damping", "Moment per rate of curvature.", "N m^2 s"),
-       vector("rest_curvature",
-              "How it is curved at rest, about the axis across the plane in which it moves, "
-              "right-handed from its first end.",
-              "1/m"),
-       positive("twisting_stiffness",
-                "GJ: moment per twist, between ends that are clamped; default: it twists freely.",
-                "N m^2"),
-       not_negative("twisting_damping", "Moment per rate of twist.", "N m^2 s"),
-       {.name = "rest_twist",
-        .meaning = "How much it is twisted at rest, beyond what it is at the start.",
-        .unit = "rad/m"},
-       table("material", "Gives mass, EA, EI and GJ of a solid round rod instead.",
-             material_format()),
-       {.name = "taper",
-        .type = Type::numbers,
-        .meaning = "Diameters along it, evenly spaced and linear between, as shares of its "
-                   "diameter: stiffness goes with the fourth power in bending and twist and the "
-                   "second in stretch, mass with the second.",
-        .minimum = 0,
-        .above = true,
-        .least = 2},
-       table("drag", "Coefficients of the air's drag on it, of its diameter.", drag_format())},
-      {{{"mass", "material"}},
-       {{"axial_stiffness", "material"}, false},
-       {{"bending_stiffness", "material"}, false},
-       {{"twisting_stiffness", "material"}, false}}};
+  static const TableFormat format = [] {
+    TableFormat made{
+        {needed(not_negative("length", "Of all links together; 0: a joint of two particles.", "m")),
+         not_negative("mass",
+                      "Shared evenly by the particles, ends included; with a taper or in a closed "
+                      "loop by the links, whose ends have half each.",
+                      "kg"),
+         needed({.name = "particles",
+                 .meaning = "How many; one more than links.",
+                 .unit = "",
+                 .minimum = 2,
+                 .maximum = kMostParticles,
+                 .whole = true}),
+         needed(table("from", "What holds the first particle.", end_format())),
+         needed(table("to", "What holds the last particle.", end_format())),
+         table("start",
+               "Its shape at the start; default: hanging between ends whose places are "
+               "known, as one with those that are joined to it end to end, else straight along "
+               "gravity.",
+               start_format()),
+         {.name = "over",
+          .type = Type::texts,
+          .meaning =
+              "Names of the pulleys that the rope passes, from its first end to its last. Its "
+              "spans between them are connectors NAME, NAME#2 and so on, of so many "
+              "`particles` each. Where both of its ends are held and the length is within "
+              "1e-4 of taut, it starts taut.",
+          .least = 1},
+         table("repeat", "Copies in a row; a second entry: copies of that row, and so on.",
+               repeat_format(), Type::tables),
+         {.name = "model",
+          .type = Type::choice,
+          .meaning = "Rigid links with mass, or a massless span.",
+          .choices = {"links", "span"}},
+         {.name = "links",
+          .type = Type::choice,
+          .meaning = "Rigid rods, or strings that only pull: inextensible, and free to fold.",
+          .choices = {"rigid", "pull"}},
+         vector("rest_curvature",
+                "How it is curved at rest, about the axis across the plane in which it moves, "
+                "right-handed from its first end.",
+                "1/m"),
+         positive("twisting_stiffness",
+                  "GJ: moment per twist, between ends that are clamped; default: it twists freely.",
+                  "N m^2"),
+         not_negative("twisting_damping", "Moment per rate of twist.", "N m^2 s"),
+         {.name = "rest_twist",
+          .meaning = "How much it is twisted at rest, beyond what it is at the start.",
+          .unit = "rad/m"},
+         {.name = "taper",
+          .type = Type::numbers,
+          .meaning = "Diameters along it, evenly spaced and linear between, as shares of its "
+                     "diameter: stiffness goes with the fourth power in bending and twist and the "
+                     "second in stretch, mass with the second.",
+          .minimum = 0,
+          .above = true,
+          .least = 2}},
+        cord_alternatives()};
+    made.alternatives.push_back({{"twisting_stiffness", "material"}, false});
+    std::ranges::copy(cord_keys(), std::back_inserter(made.keys));
+    std::ranges::find(made.keys, "restitution", &KeyFormat::name)->formerly = "elasticity";
+    return made;
+  }();
   return format;
 }
 

@@ -191,11 +191,7 @@ class Layout {
       document_.fail_at_key(*value.find("links"),
                             "needs links that have a length, a joint has none");
     }
-    connector.restitution = number_or(value, "restitution", 0);
-    connector.radius =
-        number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
-    connector.links_touch = text_or(value, "contact", "beads") == "links";
-    read_sections(document_, value, connector);
+    read_cord(document_, value, connector);
     if (value.find("over")) return add_route(value, std::move(connector));
     add_end(value, "from", 0, connector);
     add_end(value, "to", particles - 1, connector);

@@ -58,7 +58,7 @@ const Value& key_of_connector(const Value& connector, Feature feature) {
     case Feature::hinge:
       return end_member(connector, {"body"});
     case Feature::strings:
-      return member(connector, {"links"});
+      return member(connector, {"cords", "links"});
     case Feature::links_touch:
       return member(connector, {"contact"});
     case Feature::span:

@@ -70,7 +70,8 @@ void check(const Document& document, const Value& value, const Connector& connec
 
 /// Whether its last particle is joined to its first.
 bool is_loop(const Value& connector) {
-  const Value* joined = connector.find("to")->find("connector");
+  const Value* to = connector.find("to");  // a net has none
+  const Value* joined = to ? to->find("connector") : nullptr;
   return joined && joined->text == connector.name &&
          number_or(*connector.find("to"), "at", -1) == 0;
 }
@@ -98,7 +99,11 @@ double mass_of(const Value& connector, double length) {
   return material->find("density")->number * area(material->find("diameter")->number) * length;
 }
 
-void read_sections(const Document& document, const Value& value, Connector& connector) {
+void read_cord(const Document& document, const Value& value, Connector& connector) {
+  connector.restitution = number_or(value, "restitution", 0);
+  connector.radius =
+      number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
+  connector.links_touch = text_or(value, "contact", "beads") == "links";
   const Value* taper = value.find("taper");
   const Value* first = nullptr;
   for (const std::string_view key :
@@ -108,13 +113,15 @@ void read_sections(const Document& document, const Value& value, Connector& conn
     if (!first) first = value.find(key);
   }
   for (const char* end : {"from", "to"}) {
-    const Value* clamp = value.find(end)->find("clamp");
+    const Value* held = value.find(end);  // a net has none
+    if (!held) continue;
+    const Value* clamp = held->find("clamp");
     if (clamp && !value.find("bending_stiffness") && !value.find("material")) {
       document.fail_at_key(*clamp,
                            "needs bending_stiffness or material: what bends freely has no "
                            "direction at its end");
     }
-    if (const Value* turn = value.find(end)->find("turn")) check_turn(document, value, *turn);
+    if (const Value* turn = held->find("turn")) check_turn(document, value, *turn);
   }
   // The particle where a loop closes is as heavy as the others.
   if (is_loop(value)) weigh_by_links(std::vector<double>(connector.links(), 1.0), connector);
@@ -152,7 +159,7 @@ void read_sections(const Document& document, const Value& value, Connector& conn
     own.twisting_stiffness *= squared * squared;
     own.twisting_damping *= squared * squared;
     own.diameter *= thick;
-    weight.push_back(squared);
+    weight.push_back(squared * (connector.rest[k] / connector.rest[0]));
   }
   if (taper || value.find("material")) weigh_by_links(weight, connector);
   if (const Value* drag = value.find("drag")) {

@@ -85,7 +85,8 @@ class NetReader {
     for (std::size_t c = first_; c < world_.connectors.size(); ++c) {
       Connector& cord = world_.connectors[c];
       cord.name = fmt::format("{}#{}", net_.name, c - first_ + 1);
-      cord.radius = number_or(net_, "diameter", ConnectorLook().diameter) / 2;
+      cord.pulls = text_or(net_, "cords", "rigid") == "pull";
+      read_cord(document_, net_, cord);
       std::ranges::sort(cord.holds, {}, &Hold::particle);
     }
   }
@@ -114,10 +115,10 @@ class NetReader {
                                         "links for each",
                                         links, pleats));
     }
-    if (!net_.find("axial_stiffness") && slack_ == 0 && is_stretched()) {
+    if (!net_.find("axial_stiffness") && !net_.find("material") && slack_ == 0 && is_stretched()) {
       document_.fail_at_key(*net_.find("held"),
                             "holds rigid cords at their full length, which leaves no room to "
-                            "move; expected slack above 0 or axial_stiffness");
+                            "move; expected slack above 0, axial_stiffness or material");
     }
   }
 
@@ -247,13 +248,8 @@ class NetReader {
     for (std::size_t c = first_; c < world_.connectors.size(); ++c) {
       length += world_.connectors[c].length;
     }
-    const double density = net_.find("mass")->number / length;
-    Section section;
-    section.axial_stiffness = number_or(net_, "axial_stiffness", section.axial_stiffness);
-    section.axial_damping = number_or(net_, "axial_damping", 0);
-    if (section.axial_damping > 0 && std::isinf(section.axial_stiffness)) {
-      document_.fail_at_key(*net_.find("axial_damping"), "needs axial_stiffness");
-    }
+    const double density =  // kg/m
+        net_.find("material") ? mass_of(net_, 1) : net_.find("mass")->number / length;
     for (std::size_t c = first_; c < world_.connectors.size(); ++c) {
       Connector& cord = world_.connectors[c];
       cord.mass = density * cord.length;
@@ -262,7 +258,6 @@ class NetReader {
         cord.particle_mass[k] += density * cord.rest[k] / 2;
         cord.particle_mass[k + 1] += density * cord.rest[k] / 2;
       }
-      if (net_.find("axial_stiffness")) cord.sections.assign(cord.links(), section);
     }
   }
 

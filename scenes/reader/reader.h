@@ -40,9 +40,9 @@ void read_nets(const Document& document, World& world);
 std::size_t cord_count(const Value& net);
 /// The mass (kg) that a connector of this length has by its mass or its material.
 double mass_of(const Value& connector, double length);
-/// The sections of the connector's links, and the air's drag on them; changes its masses where they
-/// follow the links.
-void read_sections(const Document& document, const Value& value, Connector& connector);
+/// Keys that a connector and the cords of a net have in common: surface, sections of the links, drag
+/// of the air. Changes its masses where they follow the links.
+void read_cord(const Document& document, const Value& value, Connector& connector);
 /// The air of a scene.
 Air read_air(const Document& document);
 /// Obstacles, behind bodies and connectors. Moving ones that are shown come with a driven body, by

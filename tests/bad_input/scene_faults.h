@@ -161,7 +161,7 @@ inline std::vector<SpoiltScene> spoilt_scenes() {
       {"net without room to move", "[[pins]]",
        "[nets.n]\nkind = \"net\"\norigin = [0, 1, 0]\nacross = [1, 0, 0]\ndown = [0, -1, 0]\n"
        "size = [1.0, 1.0]\nmass = 1.0\ncells = [4, 4]\n^held = \"corners\"\n[[pins]]",
-       "leaves no room to move; expected slack above 0 or axial_stiffness"},
+       "leaves no room to move; expected slack above 0, axial_stiffness or material"},
       {"net that nothing is said to hold", "[[pins]]",
        "[nets.n]\nkind = \"net\"\norigin = [0, 1, 0]\nacross = [1, 0, 0]\ndown = [0, -1, 0]\n"
        "size = [1.0, 1.0]\nmass = 1.0\ncells = [4, 4]\n[[pins]]",

@@ -191,9 +191,16 @@ void ImplicitStep::lay_out(const StepState& from) {
     for (int i = 0; i < 6; ++i) groups_[u++] = group;
   }
   for (std::size_t p = 0; p < pulley_.size(); ++p) groups_[u++] = group++;
-  for (std::size_t k = 0; k < links_.size(); ++k) groups_[u++] = group++;
-  for (std::size_t c = 0; c < contacts_.size(); ++c, ++group) {
-    for (int i = 0; i < 3; ++i) groups_[u++] = group;
+  // A force is of the group of a particle that it acts on, so that it is eliminated after that.
+  const auto group_of = [&](std::uint32_t a, std::uint32_t b) {
+    if (node_[b] != kHeld) return groups_[node_[b]];
+    return node_[a] != kHeld ? groups_[node_[a]] : group++;
+  };
+  for (const Link& link : links_) groups_[u++] = group_of(link.a, link.b);
+  for (const Contact& contact : contacts_) {
+    const Candidate& of = touches_.candidates()[contact.candidate];
+    const std::uint32_t own = of.body == kHeld ? group_of(of.a, of.a) : group++;
+    for (int i = 0; i < 3; ++i) groups_[u++] = own;
   }
   stage_is_new_ = jump_is_new_ = true;
 }
@@ -1148,7 +1155,7 @@ bool ImplicitStep::follow_central_path(const Problem& problem, double kappa, int
   constexpr double kDown = 1e-3;
   constexpr int kMostAtEnd = 5;
   for (;; kappa *= kDown) {
-    if (!iterate(problem, kappa, most, std::max(1e-2 * std::sqrt(kappa), enough))) return false;
+    if (!iterate(problem, kappa, most, std::max(std::sqrt(kappa), enough))) return false;
     const bool last = kappa <= enough * enough;
     if (!last && !is_decided(kappa)) continue;
     const std::vector<double> central = unknown_;
@@ -1182,7 +1189,7 @@ bool ImplicitStep::harden_friction(const Problem& problem, const std::vector<dou
 }
 
 /// Newton's method from the present unknowns. Where it fails, the central path: kappa starts at the
-/// square of the first correction or of the largest force, then of a tenth of the fastest speed.
+/// square of the first correction, then of a tenth of the fastest speed.
 /// Contacts that share a load have more than one solution; the path leads between them. Where the
 /// path fails, friction hardens.
 bool ImplicitStep::solve(const Problem& problem) {
@@ -1196,13 +1203,8 @@ bool ImplicitStep::solve(const Problem& problem) {
                          std::ranges::any_of(links_, [](const Link& link) { return link.pulls; });
   if (!found && one_sided) {
     unknown_ = start;
-    double warm = first_way_;
-    for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      const std::size_t at = first_contact_ + 3 * c;
-      warm = std::max(warm, vec(&unknown_[at]).norm() / column_scale_[at]);
-    }
-    const double cold = 0.1 * speed_;
-    found = follow_central_path(problem, std::pow(std::min(warm, cold), 2), kMostWarm, enough);
+    const double cold = 0.1 * speed_, warm = std::min(first_way_, cold);
+    found = follow_central_path(problem, warm * warm, kMostWarm, enough);
     if (!found) {
       unknown_ = start;
       found = follow_central_path(problem, cold * cold, kMostCold, enough);

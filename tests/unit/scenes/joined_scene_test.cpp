@@ -253,6 +253,36 @@ TEST_F(JoinedScene, NumbersWithoutDigitsAreRefused) {
   expect("gravity = [1e308, -1e308, 0]\n" + kHead, "gravity[0]: found 1e+308");
 }
 
+TEST_F(JoinedScene, CordsOfNetsHaveTheKeysOfConnectors) {
+  const std::string keys =
+      "bending_stiffness = 0.2\nbending_damping = 0.01\ndrag = { across = 1.2, along = 0.1 }\n"
+      "radius = 0.02\ncontact = \"links\"\ncords = \"pull\"\nrestitution = 0.5\n";
+  const World world = read("air = {}\n" + kHead + net("net", "nothing", keys)).world;
+  for (const Connector& cord : world.connectors) {
+    ASSERT_EQ(cord.sections.size(), cord.links());
+    EXPECT_EQ(cord.sections[0].bending_stiffness, 0.2);
+    EXPECT_EQ(cord.sections[0].bending_damping, 0.01);
+    EXPECT_EQ(cord.drag.across, 1.2);
+    EXPECT_EQ(cord.radius, 0.02);
+    EXPECT_EQ(cord.restitution, 0.5);
+    EXPECT_TRUE(cord.links_touch && cord.pulls);
+  }
+  // Of a material, every metre weighs the same, also in rings whose links differ.
+  std::string web = net("web", "nothing",
+                        "material = { youngs_modulus = 1e6, diameter = 0.01, "
+                        "density = 1000 }");
+  web.replace(web.find("mass = 0.6\n"), 11, "");
+  const World made = read(kHead + web).world;
+  const double density = 1000 * std::numbers::pi * 0.01 * 0.01 / 4;
+  for (const Connector& cord : made.connectors) {
+    EXPECT_TRUE(cord.stretches() && cord.sections[0].bending_stiffness > 0);
+    double mass = 0, first = density * cord.rest[0] / 2;
+    for (const double part : cord.particle_mass) mass += part;
+    EXPECT_NEAR(mass, density * cord.length, 1e-12);
+    EXPECT_NEAR(cord.particle_mass[0], first, 1e-12);
+  }
+}
+
 // The share by which the way is shorter than the cord, and both ends on the line between.
 TEST_F(JoinedScene, SlackOfANet) {
   const World world = read(kHead + net("net", "upper corners", "slack = 0.2\npleats = 2")).world;
