@@ -306,7 +306,7 @@ class Layout {
       document_.fail(value, "is a closed loop, expected start = { circle = ... } or points");
     }
     if (points) {
-      connector.position = on_points(*points, connector);
+      connector.position = on_points(*points, connector, to.fixed());
     } else if (over) {
       connector.position = on_obstacle(*over, connector);
     } else if (circle) {
@@ -350,10 +350,11 @@ class Layout {
     return true;
   }
 
-  std::vector<Vec3> on_points(const Value& points, const Connector& connector) const {
+  /// `held`: something has its last particle.
+  std::vector<Vec3> on_points(const Value& points, const Connector& connector, bool held) const {
     std::vector<Vec3> corners;
     for (const Value& corner : points.children) corners.push_back(corner.vec3());
-    return on_line(points, corners, connector);
+    return on_line(points, corners, connector, held);
   }
 
   std::vector<Vec3> on_obstacle(const Value& over, const Connector& connector) const {
@@ -376,14 +377,20 @@ class Layout {
       document_.fail(over, fmt::format("takes {:.6g} m, expected at most the length, {} m",
                                        winding.before + wound, connector.length));
     }
-    return on_line(over, wound_line(around, connector.radius, world_.gravity, winding), connector);
+    return on_line(over, wound_line(around, connector.radius, world_.gravity, winding), connector,
+                   false);
   }
 
+  /// Strings are laid evenly along a line that is shorter than they are. What stretches is laid
+  /// evenly along a longer one if it is held at its end: it starts under tension.
   std::vector<Vec3> on_line(const Value& said, const std::vector<Vec3>& corners,
-                            const Connector& connector) const {
+                            const Connector& connector, bool held) const {
+    constexpr double kRoundingInFile = 1e-6;
     double way = 0;
     for (std::size_t i = 1; i < corners.size(); ++i) way += (corners[i] - corners[i - 1]).norm();
-    if (connector.pulls && way < connector.length) {
+    const bool tense =
+        connector.stretches() && held && way > (1 + kRoundingInFile) * connector.length;
+    if (tense || (connector.pulls && way < connector.length)) {
       return evenly_along(corners, connector.particles());
     }
     auto line = along_line(corners, connector.particles(), connector.rest.front());
@@ -410,6 +417,9 @@ class Layout {
     const Vec3 end = hanging ? hanging->vec3() : *far;
     const double apart = (end - origin).norm();
     const double rounding = apart_by_rounding(connector.length, largest);
+    if (apart > connector.length + rounding && connector.stretches() && !hanging) {
+      return evenly_along({origin, end}, connector.particles());
+    }
     if (apart > connector.length + rounding) {
       document_.fail(hanging ? *hanging : value,
                      fmt::format("the ends are {:.6g} m apart, expected at most the length, {} m",

@@ -620,14 +620,22 @@ void Mechanism::add_flow(const double* state, std::vector<Vec3>& force) const {
   }
 }
 
-/// The direction in which rope flows past a particle.
+/// The velocity of rope that flows past a particle at 1 m/s of its unstretched length: along either
+/// link it has the speed of what flows there, so that no link is stretched where rope sticks to a
+/// drum. Where links meet at less than a right angle it is no faster.
 Vec3 Mechanism::way_at(const Winched& at, std::size_t particle, const double* state) const {
-  const std::size_t links = at.winch->rest.size();
-  const std::size_t before = particle == 0 ? 0 : particle - 1,
-                    behind = particle == links ? links : particle + 1;
-  const Vec3 way = vector(state + position(at.first_point + behind)) -
-                   vector(state + position(at.first_point + before));
-  return way.normalized();
+  const auto strained = [&](std::size_t link) {
+    const Vec3 gap = vector(state + position(at.first_point + link + 1)) -
+                     vector(state + position(at.first_point + link));
+    return Vec3(gap / rest_of(at, link));
+  };
+  if (particle == 0) return strained(0);
+  const Vec3 before = strained(particle - 1);
+  if (particle == at.winch->rest.size()) return before;
+  const Vec3 behind = strained(particle);
+  const double stretch = (before.norm() + behind.norm()) / 2;
+  const Vec3 u = before.stableNormalized(), w = behind.stableNormalized();
+  return stretch / std::max(1 + u.dot(w), 1.0) * (u + w);
 }
 
 Vec3 Mechanism::flow_past(std::size_t point, const double* state) const {

@@ -676,8 +676,7 @@ void ImplicitStep::assemble_contacts(const Problem& problem, double kappa) {
     Vec3 out;
     Mat3 by_p, by_v;
     if (problem.law == Problem::Law::projection) {
-      // v is a displacement, but for the part of the obstacle's own.
-      const Vec3 moved = v + (of.obstacle != kHeld ? at.surface : Vec3(Vec3::Zero()));
+      const Vec3 moved = moves(gap, unknown_);
       const Mat3 held = law_[c] == kAtAnchor ? Mat3(Mat3::Identity()) : law_[c] * along;
       const Mat3 free = Mat3::Identity() - held;
       out = held * (moved + off_[c]) + free * p;
@@ -1351,8 +1350,9 @@ bool ImplicitStep::project_velocities(StepState& to) {
       law_[c] = kFree;
       continue;
     }
-    if (jumped_) law_[c] = kAtSurface;
-    if (law_[c] == kAtAnchor) off_[c] = v;
+    const bool grips = contact.is_anchored && contact.grips && !jumped_;
+    law_[c] = grips ? kAtAnchor : kAtSurface;
+    if (grips) off_[c] = v;
     worst = std::max(worst, off_[c].norm());
   }
   if (worst <= 1e-13 * speed_) return true;
@@ -1803,7 +1803,8 @@ void ImplicitStep::keep_contacts(StepState& to) {
       contact.sticks = slid || pull <= of.slide * push;
     }
     const bool grips = rests && contact.sticks && contact.presses && contact.grips;
-    const bool stays = of.is_bead() && of.obstacle != kHeld && !mechanism_.has_winches();
+    const bool stays =
+        of.is_bead() && of.obstacle != kHeld && mechanism_.flow_past(of.a, state_.data()).isZero(0);
     if (!contact.is_anchored) contact.anchor = at.local;
     contact.is_anchored = grips && stays;
   }
@@ -2245,7 +2246,13 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     if (!arrives) {
       hold_contacts();
       if (!project(to, touching) || !project_velocities(to)) return false;
-      break;
+      // Projection moves others a little, too, which may come to touch by that.
+      find_contacts(to, touching, contacts);
+      const auto is_known = [&](const Contact& contact) {
+        return std::ranges::binary_search(contacts_, contact.candidate, {}, &Contact::candidate);
+      };
+      if (std::ranges::all_of(contacts, is_known)) break;
+      continue;
     }
     jumped_ = true;
     bounce_ = std::move(bounce);
