@@ -28,7 +28,7 @@ const TableFormat& start_format() {
        {.name = "points",
         .type = Type::points,
         .meaning = "Along these straight pieces, from the first end to the last; as long together "
-                   "as the connector.",
+                   "as the connector, or longer where it stretches and is held there.",
         .unit = "m",
         .least = 2},
        vector("hanging_to", "At rest between the first end and this point."),

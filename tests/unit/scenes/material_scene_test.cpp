@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/run/simulation.h"
 #include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::material_scene_test {
@@ -47,6 +48,40 @@ TEST_F(MaterialScene, WithoutAnyNothingIsMade) {
   EXPECT_TRUE(world.connectors[0].sections.empty());
   EXPECT_FALSE(has_materials(world));
   EXPECT_EQ(world.air.density, 1.225);
+}
+
+// Between ends that are farther apart than its length a string starts under tension; plucked in its
+// middle, it is straight after a quarter of its period, as all odd harmonics are.
+TEST_F(MaterialScene, WhatStretchesStartsUnderTension) {
+  const auto text = [](const std::string& start) {
+    return "duration = 1.0\ngravity = [0, 0, 0]\n[method]\nname = \"direct\"\ntolerance = 1e-6\n"
+           "[connectors.string]\nlength = 1.0\nmass = 0.02\nparticles = 41\n"
+           "axial_stiffness = 2000\nfrom = { fixed = [0, 0, 0] }\n"
+           "to = { fixed = [1.02, 0, 0] }\n" +
+           start + "\n";
+  };
+  const Connector straight = rope(text(""));
+  for (std::size_t i = 0; i < 41; ++i) {
+    const Vec3 even(1.02 * static_cast<double>(i) / 40, 0, 0);
+    EXPECT_LT((straight.position[i] - even).norm(), 1e-12);
+  }
+  constexpr double kPlucked = 1e-3;
+  const scenes::Scene scene =
+      read(text("start = { points = [[0, 0, 0], [0.51, 0.001, 0], [1.02, 0, 0]] }"));
+  EXPECT_NEAR(scene.world.connectors[0].position[20].y(), kPlucked, 1e-12);
+  Simulation simulation = scenes::start(scene);
+  const double speed = std::sqrt(2000 * 0.02 / (0.02 / 1.02));  // m/s, of waves
+  const auto middle = [&] { return simulation.world().connectors[0].position[20].y(); };
+  simulation.advance_to(1.02 / speed / 2);
+  EXPECT_NEAR(middle(), 0, 0.05 * kPlucked);
+  simulation.advance_to(1.02 / speed);
+  EXPECT_NEAR(middle(), -kPlucked, 0.08 * kPlucked);
+  // Held at one end alone, it is laid as long as it is.
+  const std::string free = text("start = { points = [[0, 0, 0], [3, 0, 0]] }");
+  EXPECT_NEAR(rope(std::string(free).replace(free.find("fixed = [1.02, 0, 0]"), 20, "free = true"))
+                  .position[40]
+                  .x(),
+              1, 1e-12);
 }
 
 TEST_F(MaterialScene, GustsAreRead) {
