@@ -55,7 +55,7 @@ const TableFormat& net_format() {
           .whole = true},
          {.name = "cords",
           .type = Type::choice,
-          .meaning = "Links that are rigid rods, or strings that only pull: inextensible, and free "
+          .meaning = "Links that are rigid rods, or strings that only pull, and are free "
                      "to fold.",
           .choices = {"rigid", "pull"}}},
         cord_alternatives()};

@@ -162,7 +162,7 @@ const TableFormat& connector_format() {
           .choices = {"links", "span"}},
          {.name = "links",
           .type = Type::choice,
-          .meaning = "Rigid rods, or strings that only pull: inextensible, and free to fold.",
+          .meaning = "Rigid rods, or strings that only pull, and are free to fold.",
           .choices = {"rigid", "pull"}},
          vector("rest_curvature",
                 "How it is curved at rest, about the axis across the plane in which it moves, "

@@ -83,6 +83,7 @@ double farthest(const Hold& hold) {
 const StretchElement* pressed_together(std::span<const StretchElement> stretches,
                                        const double* positions) {
   for (const StretchElement& link : stretches) {
+    if (link.pulls) continue;
     if ((point(positions, link.b) - point(positions, link.a)).norm() < kShareOfNothing * link.rest)
       return &link;
   }
@@ -100,7 +101,8 @@ void add_stretches(const Connector& connector, std::uint32_t index, std::uint32_
                         .stiffness = section.axial_stiffness / connector.rest[k],
                         .damping = section.axial_damping / connector.rest[k],
                         .connector = index,
-                        .link = k});
+                        .link = k,
+                        .pulls = connector.pulls});
   }
 }
 
@@ -299,7 +301,7 @@ void MaterialForces::add(const double* positions, const double* velocities,
     const Vec3 unit = gap / length;
     double rate = unit.dot(gap_rate);
     if (link.rest_rate != 0) rate -= length / link.rest * link.rest_rate;
-    const double tension = link.stiffness * (length - link.rest) + link.damping * rate;
+    const double tension = link.tension(length, rate);
     force[link.a] += tension * unit;
     force[link.b] -= tension * unit;
   }
@@ -589,7 +591,7 @@ double taut::elastic_energy(const World& world) {
   double energy = 0;
   for (const material::StretchElement& link : forces.stretches()) {
     const double longer = (position[link.b] - position[link.a]).norm() - link.rest;
-    energy += link.stiffness * longer * longer / 2;
+    if (!link.pulls || longer > 0) energy += link.stiffness * longer * longer / 2;
   }
   Vec3 e0, e1;
   for (const material::BendElement& bend : forces.bends()) {

@@ -1,6 +1,7 @@
 // The forces on particles that stretch, bend and meet the air, as lists of elements of a world.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,6 +20,14 @@ struct StretchElement {
   double damping = 0;          // N s/m
   std::uint32_t connector = 0, link = 0;
   double rest_rate = 0;  // m/s: of `rest`, where a winch pays the link out
+  bool pulls = false;    // only, as strings do
+
+  /// N, by its length (m) and the rate (m/s) at which that grows beyond what is paid out.
+  double tension(double length, double rate) const {
+    if (pulls && length <= rest) return 0;
+    const double pull = stiffness * (length - rest) + damping * rate;
+    return pulls ? std::max(pull, 0.0) : pull;
+  }
 };
 
 /// Two links in a row that resist bending; or a link at a clamp, whose direction is one of the two

@@ -83,7 +83,7 @@ void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
     const Vec3 gap = Eigen::Map<const Vec3>(state + mechanism.position(link.b)) -
                      Eigen::Map<const Vec3>(state + mechanism.position(link.a));
     const double length = gap.norm();
-    if (length > 0) {
+    if (length > 0 && (!link.pulls || length > link.rest)) {
       const Vec3 unit = gap / length;
       project<2>(mechanism, dt, link.stiffness, link.damping, length - link.rest,
                  {{link.a, -unit}, {link.b, unit}}, *multiplier, state);

@@ -125,7 +125,7 @@ class Finder {
         connector = stretch.connector;
         index = stretch.link;
         const double rate = along.dot(velocity(link.b) - velocity(link.a)) - stretch.rest_rate;
-        tension = stretch.stiffness * (length - stretch.rest) + stretch.damping * rate;
+        tension = stretch.tension(length, rate);
       } else {
         const Row& row = mechanism.rows()[link.row];
         connector = row.connector;

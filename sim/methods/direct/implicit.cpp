@@ -307,15 +307,17 @@ void Implicit::note_events() {
                        .of_contact = true});
   };
   const auto of_link = [&](Event::Kind kind, std::size_t link, double size) {
-    const Row& row = rows[step_.links()[link].row];
+    const ImplicitStep::Link& of = step_.links()[link];
+    const auto& stretches = step_.mechanism().material().stretches();
     events_.push_back({.kind = kind,
                        .time = now_.time,
-                       .connector = row.connector,
-                       .span = row.link,
+                       .connector = of.soft ? stretches[of.row].connector : rows[of.row].connector,
+                       .span = of.soft ? stretches[of.row].link : rows[of.row].link,
                        .size = size});
   };
   for (std::size_t k = 0; k < now_.taut.size(); ++k) {
-    if (!step_.links()[k].pulls || (from_.taut[k] != 0) == (now_.taut[k] != 0)) continue;
+    const ImplicitStep::Link& link = step_.links()[k];
+    if (!(link.pulls || link.soft_string) || (from_.taut[k] != 0) == (now_.taut[k] != 0)) continue;
     of_link(now_.taut[k] ? Event::Kind::taut : Event::Kind::slack, k, 0);
   }
   for (const StepState::Impulse& impulse : now_.impulses) {

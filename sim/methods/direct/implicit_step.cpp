@@ -125,7 +125,11 @@ void ImplicitStep::rebuild(const World& world) {
   }
   const auto& stretches = mechanism_.material().stretches();
   for (std::uint32_t k = 0; k < stretches.size(); ++k) {
-    add({.a = stretches[k].a, .b = stretches[k].b, .soft = true, .row = k});
+    add({.a = stretches[k].a,
+         .b = stretches[k].b,
+         .soft = true,
+         .soft_string = stretches[k].pulls,
+         .row = k});
   }
   links_at_pulleys_.clear();
   for (const Mechanism::Coupling& coupling : mechanism_.couplings()) {
@@ -160,7 +164,7 @@ void ImplicitStep::lay_out(const StepState& from) {
   for (const Contact& contact : contacts_) shape.push_back(contact.candidate);
   on_.assign(links_.size(), 1);
   for (std::size_t k = 0; k < links_.size(); ++k) {
-    if (links_[k].pulls) on_[k] = from.taut[k];
+    if (links_[k].pulls || links_[k].soft_string) on_[k] = from.taut[k];
   }
   unknowns_ = first_contact_ + 3 * contacts_.size();
   unknown_.resize(unknowns_);
@@ -173,6 +177,7 @@ void ImplicitStep::lay_out(const StepState& from) {
   by_rate_.resize(links_.size());
   by_rest_.assign(links_.size(), 1.0);
   soft_rate_.resize(links_.size());
+  slack_.assign(links_.size(), 0);
   law_.assign(contacts_.size(), kFree);
   off_.resize(contacts_.size());
   by_speed_.resize(contacts_.size());
@@ -649,9 +654,11 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
       put(at, at, by_tension);
     }
     soft_rate_[k] = rate;
-    const double pull = tension + damping * rate;
+    double pull = tension + damping * rate;
+    slack_[k] = link.soft_string && problem.forces && std::min(tension, pull) <= 0;
+    if (slack_[k] != 0) pull = damping = 0;
     push(gap, -pull * direction);
-    column(at, gap, direction);
+    column(at, gap, slack_[k] != 0 ? Vec3(Vec3::Zero()) : direction);
     if (!problem.forces) continue;
     const Mat3 along = direction * direction.transpose();
     Mat3 stiffness = Mat3::Zero();
@@ -810,6 +817,7 @@ void ImplicitStep::find_balance(const Problem& problem, std::size_t p, double& b
   for (const LinkAtPulley& at_pulley : links_at_pulleys_) {
     if (at_pulley.pulley != p) continue;
     const Link& link = links_[at_pulley.link];
+    if (slack_[at_pulley.link] != 0) continue;
     const double tension = unknown_[first_link_ + at_pulley.link];
     double pull = at_pulley.share * tension;
     if (link.soft && problem.forces) {  // and the energy that a unit of length carries away
@@ -920,13 +928,14 @@ void ImplicitStep::assemble_pulleys(const Problem& problem) {
       const double by = at_pulley.share * by_rest_[at_pulley.link];
       const double shortens = -by * by_rate_[at_pulley.link];
       if (projects) residual_[link] += shortens * unknown_[at];
-      const double drives = -by * (law.all + (at_pulley.share < 0 ? law.before : 0));
+      const bool slack = slack_[at_pulley.link] != 0;
+      const double drives = slack ? 0 : -by * (law.all + (at_pulley.share < 0 ? law.before : 0));
       entry(link, at, shortens);
       entry(at, link, drives);
       const Link& of = links_[at_pulley.link];
       if (!of.soft || !problem.forces) continue;
       const double damping = mechanism_.material().stretches()[of.row].damping;
-      if (damping == 0) continue;
+      if (damping == 0 || slack) continue;
       const Relative gap = relative(of.a, of.b);
       const Vec3 along = direction(of);
       column(at, gap, -by * damping * along);
@@ -1728,6 +1737,7 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
                              vec(&to.state[mechanism_.position(link.a)]))
                                 .norm();
       to.tension[k] = stretch.stiffness * (length - stretch.rest);
+      if (link.soft_string) to.taut[k] = to.tension[k] > 0;
     } else if (link.pulls) {
       to.taut[k] = mechanism_.violation()[link.row] >= -touching;
     }
@@ -2162,6 +2172,7 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
   to.taut = from.taut;
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const std::size_t at = first_link_ + k;
+    if (links_[k].soft_string) to.taut[k] = to.tension[k] > 0;
     if (!links_[k].pulls || on_[k] == 0) continue;
     const double shortens = -mechanism_.rate()[links_[k].row];
     if (to.tension[k] / column_scale_[at] <= shortens) to.tension[k] = 0;  // but for rounding
@@ -2266,6 +2277,16 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     }
     hold_contacts();
     if (!project(to, touching)) return false;
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {  // the tension of what is slack is its length's
+    const Link& link = links_[k];
+    if (!link.soft_string || to.tension[k] > 0) continue;
+    const auto& stretch = mechanism_.material().stretches()[link.row];
+    const double length =
+        (vec(&to.state[mechanism_.position(link.b)]) - vec(&to.state[mechanism_.position(link.a)]))
+            .norm();
+    to.tension[k] = stretch.stiffness * (length - stretch.rest);
+    to.taut[k] = to.tension[k] > 0;
   }
   find_inside(touching, false, to);
   keep_contacts(to);

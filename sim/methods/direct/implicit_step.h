@@ -99,8 +99,9 @@ class ImplicitStep {
   struct Link {
     std::uint32_t a = 0, b = 0;
     bool soft = false, pulls = false;
-    std::uint32_t row = 0;  // of the mechanism's rows or stretches
-    double inertia = 1;     // kg, that a tension moves
+    bool soft_string = false;  // soft, and pulls alone: while it is slack, its tension is negative
+    std::uint32_t row = 0;     // of the mechanism's rows or stretches
+    double inertia = 1;        // kg, that a tension moves
   };
   /// The acceleration (m/s^2) of a point in the last stage of the step that made `to`. A point that
   /// is fixed or follows a path has none.
@@ -267,6 +268,7 @@ class ImplicitStep {
   std::vector<double> change_;          // of the unknown velocities, per second
   std::vector<Mat3> by_speed_;          // per contact: of its law, by its velocity
   std::vector<double> by_rate_;         // per link: of its law, by the rate of its length
+  std::vector<char> slack_;             // per link: a soft string without tension
   std::vector<double> by_rest_;         // per link: of that rate, by the rate of its rest length
   std::vector<double> soft_rate_;       // m/s, per link: how fast it stretches
   std::size_t first_link_ = 0, first_contact_ = 0, unknowns_ = 0;

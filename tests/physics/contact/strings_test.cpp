@@ -281,6 +281,41 @@ TEST(Strings, AreStoppedByAPinAtItsMoment) {
   }
 }
 
+// A string of rubber: free fall while it is slack, then half a swing of m x'' = m g - k x, and free
+// flight upwards again, to where it came from.
+TEST(Strings, ThatStretchPushNothing) {
+  constexpr double kStiffness = 400, kMass = 2, kSlack = 0.5;  // N/m, kg, m
+  World world;
+  Connector rubber = straight_connector("rubber", 1, 2e-9, 2, Vec3::Zero(), -Vec3::UnitY());
+  rubber.pulls = true;
+  Section section;
+  section.axial_stiffness = kStiffness;
+  rubber.sections.assign(1, section);
+  rubber.particle_mass[1] = kMass;
+  rubber.position[1] = Vec3(0, kSlack - 1, 0);
+  rubber.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  world.connectors = {rubber};
+  const double falls = std::sqrt(2 * kSlack / worlds::kGravity);  // s
+  const double speed = worlds::kGravity * falls, rate = std::sqrt(kStiffness / kMass);
+  const double rests = worlds::kGravity / (rate * rate);  // m
+  const double turns = (std::numbers::pi - std::atan(speed / rate / rests)) / rate;
+  const double lowest = 1 + rests + std::hypot(rests, speed / rate);
+  for (const auto& [method, key, value, error] : {std::tuple{"direct", "tolerance", 1e-6, 2e-6},
+                                                  {"direct", "step", 1e-3, 2e-3},
+                                                  {"xpbd", "step", 1e-5, 2e-3},
+                                                  {"springs", "step", 1e-5, 2e-4}}) {
+    Simulation simulation(world, make_method(method, {{key, value}}));
+    const auto height = [&](double time) {
+      simulation.advance_to(time);
+      return simulation.world().connectors[0].position[1].y();
+    };
+    EXPECT_NEAR(height(0.8 * falls), kSlack - 1 - 0.64 * kSlack, error) << method;
+    EXPECT_NEAR(height(falls + turns), -lowest, error) << method;
+    EXPECT_NEAR(height(2 * (falls + turns)), kSlack - 1, 2 * error) << method;
+    EXPECT_NEAR(elastic_energy(simulation.world()), 0, 1e-12) << "slack";
+  }
+}
+
 // A weight falls 1.95 m, past the place that its string is fixed to. One string takes what goes
 // along it; one of five light particles gives it back.
 TEST(Strings, OfSeveralLightParticlesThrowAWeightBack) {
