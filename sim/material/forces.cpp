@@ -572,7 +572,6 @@ MaterialForces::HighestMode MaterialForces::highest_mode(
     if (!(rate > most)) continue;
     most = rate;
     found.frequency = std::sqrt(k);
-    found.damping_ratio = k > 0 ? half / found.frequency : 0;
     found.damping = 2 * half;
   }
   return found;

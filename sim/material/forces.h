@@ -151,12 +151,12 @@ class MaterialForces {
   void load_twists(const World& world);
   void store_twists(World& world) const;
 
-  /// Frequency (rad/s) and share of critical damping of an oscillator for which no longer step is
-  /// stable than for all that stretches and bends, by the points' inverse masses (1/kg):
-  /// Gershgorin's bounds on M^-1 K and M^-1 C of the straight connector.
+  /// An oscillator x'' + damping x' + frequency^2 x = 0 for which no longer step is stable than for
+  /// all that stretches and bends, by the points' inverse masses (1/kg): Gershgorin's bounds on
+  /// M^-1 K and M^-1 C of the straight connector.
   struct HighestMode {
-    double frequency = 0, damping_ratio = 0;
-    double damping = 0;  // 1/s: twice the frequency times the ratio, also where nothing is stiff
+    double frequency = 0;  // rad/s
+    double damping = 0;    // 1/s
   };
   HighestMode highest_mode(const std::vector<double>& inverse_mass) const;
 

@@ -84,7 +84,7 @@ class Springs : public SteppedMethod {
     if (!mechanism.material().any()) return limit_ > 0 ? stable : 0;
     const auto mode = mechanism.material().highest_mode(mechanism.inverse_mass());
     const double all = std::hypot(highest, mode.frequency);
-    const double share = (damping_ * highest + mode.damping_ratio * mode.frequency) / all;
+    const double share = (damping_ * highest + mode.damping / 2) / all;
     const double limit = stability_limit(integrator_, share);
     return limit > 0 ? std::min(kLongest, kSafety * limit / all) : 0;
   }

@@ -17,20 +17,12 @@ namespace taut::forces_test {
 namespace {
 
 using worlds::kGravity;
+using worlds::total_mass;
 
 World run(const World& world, double until, double tolerance = 1e-8) {
   Simulation simulation(world, make_method("direct", {{"tolerance", tolerance}}));
   simulation.advance_to(until);
   return simulation.world();
-}
-
-double total_mass(const World& world) {
-  double mass = 0;
-  for (const Connector& connector : world.connectors) {
-    for (const double particle : connector.particle_mass) mass += particle;
-  }
-  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.bare.mass;
-  return mass;
 }
 
 /// The force of all that is outside: of holds but those of free bodies, and of obstacles.

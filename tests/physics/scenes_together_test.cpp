@@ -15,18 +15,10 @@ namespace {
 
 using std::numbers::pi;
 using worlds::kGravity;
+using worlds::total_mass;
 
 scenes::Scene scene(const std::string& name) {
   return scenes::load_scene(TAUT_SOURCE_DIR "/scenes/together/" + name + ".toml", false);
-}
-
-double total_mass(const World& world) {
-  double mass = 0;
-  for (const Connector& connector : world.connectors) {
-    for (const double particle : connector.particle_mass) mass += particle;
-  }
-  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.bare.mass;
-  return mass;
 }
 
 /// Of holds and obstacles.

@@ -188,4 +188,14 @@ inline World garland() {
   return world;
 }
 
+/// Of all that moves freely, in kg.
+inline double total_mass(const World& world) {
+  double mass = 0;
+  for (const Connector& connector : world.connectors) {
+    for (const double particle : connector.particle_mass) mass += particle;
+  }
+  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.bare.mass;
+  return mass;
+}
+
 }  // namespace taut::worlds

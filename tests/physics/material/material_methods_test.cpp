@@ -156,5 +156,21 @@ TEST(MaterialMethods, OthersRefuseByName) {
   }
 }
 
+// Damping alone limits an explicit step as stiffness does.
+TEST(MaterialMethods, BendingDampingAloneIsStable) {
+  for (const char* integrator : {"semi-implicit-euler", "rk4"}) {
+    World world = worlds::chain(31, 1, Vec3::UnitX());
+    Connector& rope = world.connectors[0];
+    Section section;
+    section.bending_damping = 0.1;
+    rope.sections.assign(rope.links(), section);
+    world.topology = structure(world);
+    Simulation simulation(world, make_method("springs", {{"integrator", std::string(integrator)}}));
+    const double start = energy(simulation.world());
+    simulation.advance_to(0.2);
+    EXPECT_LT(energy(simulation.world()), start + 1e-3) << integrator;
+  }
+}
+
 }  // namespace
 }  // namespace taut::material_methods_test
