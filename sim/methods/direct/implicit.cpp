@@ -317,8 +317,11 @@ void Implicit::note_events() {
   };
   for (std::size_t k = 0; k < now_.taut.size(); ++k) {
     const ImplicitStep::Link& link = step_.links()[k];
-    if (!(link.pulls || link.soft_string) || (from_.taut[k] != 0) == (now_.taut[k] != 0)) continue;
-    of_link(now_.taut[k] ? Event::Kind::taut : Event::Kind::slack, k, 0);
+    const auto is_taut = [&](const StepState& at) {
+      return link.soft_string ? at.tension[k] > 0 : at.taut[k] != 0;
+    };
+    if (is_taut(from_) == is_taut(now_)) continue;
+    of_link(is_taut(now_) ? Event::Kind::taut : Event::Kind::slack, k, 0);
   }
   for (const StepState::Impulse& impulse : now_.impulses) {
     if (impulse.contact) {

@@ -164,7 +164,8 @@ void ImplicitStep::lay_out(const StepState& from) {
   for (const Contact& contact : contacts_) shape.push_back(contact.candidate);
   on_.assign(links_.size(), 1);
   for (std::size_t k = 0; k < links_.size(); ++k) {
-    if (links_[k].pulls || links_[k].soft_string) on_[k] = from.taut[k];
+    if (links_[k].pulls) on_[k] = from.taut[k];
+    if (links_[k].soft_string) on_[k] = from.tension[k] > 0;
   }
   unknowns_ = first_contact_ + 3 * contacts_.size();
   unknown_.resize(unknowns_);
@@ -177,7 +178,7 @@ void ImplicitStep::lay_out(const StepState& from) {
   by_rate_.resize(links_.size());
   by_rest_.assign(links_.size(), 1.0);
   soft_rate_.resize(links_.size());
-  slack_.assign(links_.size(), 0);
+  slack_.assign(links_.size(), kTaut);
   law_.assign(contacts_.size(), kFree);
   off_.resize(contacts_.size());
   by_speed_.resize(contacts_.size());
@@ -655,10 +656,13 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
     }
     soft_rate_[k] = rate;
     double pull = tension + damping * rate;
-    slack_[k] = link.soft_string && problem.forces && std::min(tension, pull) <= 0;
-    if (slack_[k] != 0) pull = damping = 0;
+    slack_[k] = kTaut;
+    if (link.soft_string && problem.forces) {
+      slack_[k] = tension <= 0 ? kSlack : pull <= 0 ? kHeldBack : kTaut;
+    }
+    if (slack_[k] != kTaut) pull = damping = 0;
     push(gap, -pull * direction);
-    column(at, gap, slack_[k] != 0 ? Vec3(Vec3::Zero()) : direction);
+    column(at, gap, slack_[k] != kTaut ? Vec3(Vec3::Zero()) : direction);
     if (!problem.forces) continue;
     const Mat3 along = direction * direction.transpose();
     Mat3 stiffness = Mat3::Zero();
@@ -817,7 +821,7 @@ void ImplicitStep::find_balance(const Problem& problem, std::size_t p, double& b
   for (const LinkAtPulley& at_pulley : links_at_pulleys_) {
     if (at_pulley.pulley != p) continue;
     const Link& link = links_[at_pulley.link];
-    if (slack_[at_pulley.link] != 0) continue;
+    if (slack_[at_pulley.link] != kTaut) continue;
     const double tension = unknown_[first_link_ + at_pulley.link];
     double pull = at_pulley.share * tension;
     if (link.soft && problem.forces) {  // and the energy that a unit of length carries away
@@ -928,7 +932,7 @@ void ImplicitStep::assemble_pulleys(const Problem& problem) {
       const double by = at_pulley.share * by_rest_[at_pulley.link];
       const double shortens = -by * by_rate_[at_pulley.link];
       if (projects) residual_[link] += shortens * unknown_[at];
-      const bool slack = slack_[at_pulley.link] != 0;
+      const bool slack = slack_[at_pulley.link] != kTaut;
       const double drives = slack ? 0 : -by * (law.all + (at_pulley.share < 0 ? law.before : 0));
       entry(link, at, shortens);
       entry(at, link, drives);
@@ -1052,6 +1056,15 @@ bool ImplicitStep::goes_the_same_way() const {
   return along > (1 - kStraight) * std::sqrt(last * next);
 }
 
+/// Whether the last correction, which tells velocities alone, made a soft string taut or slack.
+bool ImplicitStep::has_tautened() const {
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const bool is_taut = unknown_[first_link_ + k] > 0;
+    if (links_[k].soft_string && (slack_[k] == kSlack) == is_taut) return true;
+  }
+  return false;
+}
+
 /// Newton's method; a factorised matrix serves as long as corrections fall fast. True once
 /// velocities err by less than `enough` (m/s), or by no more than roundings: light particles beside
 /// heavy bodies multiply roundings, and corrections of that size fall no further.
@@ -1123,7 +1136,7 @@ bool ImplicitStep::iterate(const Problem& problem, double kappa, int most, doubl
       unknown_[u] += part * way_[u];
     }
     for (std::size_t p = 0; p < pulley_.size(); ++p) slip_before_[p] = pulley_law_[p].slip;
-    if (fastest <= enough) return true;
+    if (fastest <= enough && !(problem.forces && has_tautened())) return true;
     if (assembles_) {
       if (kappa <= 0 && fastest <= kMostRounding * enough && fastest >= last_new) return true;
       last_new = fastest;
@@ -1737,7 +1750,6 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
                              vec(&to.state[mechanism_.position(link.a)]))
                                 .norm();
       to.tension[k] = stretch.stiffness * (length - stretch.rest);
-      if (link.soft_string) to.taut[k] = to.tension[k] > 0;
     } else if (link.pulls) {
       to.taut[k] = mechanism_.violation()[link.row] >= -touching;
     }
@@ -2172,7 +2184,6 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
   to.taut = from.taut;
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const std::size_t at = first_link_ + k;
-    if (links_[k].soft_string) to.taut[k] = to.tension[k] > 0;
     if (!links_[k].pulls || on_[k] == 0) continue;
     const double shortens = -mechanism_.rate()[links_[k].row];
     if (to.tension[k] / column_scale_[at] <= shortens) to.tension[k] = 0;  // but for rounding
@@ -2286,7 +2297,6 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
         (vec(&to.state[mechanism_.position(link.b)]) - vec(&to.state[mechanism_.position(link.a)]))
             .norm();
     to.tension[k] = stretch.stiffness * (length - stretch.rest);
-    to.taut[k] = to.tension[k] > 0;
   }
   find_inside(touching, false, to);
   keep_contacts(to);

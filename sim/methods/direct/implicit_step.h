@@ -207,6 +207,7 @@ class ImplicitStep {
   void add_passing_difference(const StepState& one, const StepState& other);
   void solve_with_twists();
   bool goes_the_same_way() const;
+  bool has_tautened() const;
   bool iterate(const Problem& problem, double kappa, int most, double enough);
   void guess(double time, const std::vector<double>& rate);
   bool is_decided(double kappa) const;
@@ -268,9 +269,11 @@ class ImplicitStep {
   std::vector<double> change_;          // of the unknown velocities, per second
   std::vector<Mat3> by_speed_;          // per contact: of its law, by its velocity
   std::vector<double> by_rate_;         // per link: of its law, by the rate of its length
-  std::vector<char> slack_;             // per link: a soft string without tension
-  std::vector<double> by_rest_;         // per link: of that rate, by the rate of its rest length
-  std::vector<double> soft_rate_;       // m/s, per link: how fast it stretches
+  /// Soft strings pull nothing where they are shorter than at rest, or where damping would push.
+  enum Slack : char { kTaut, kSlack, kHeldBack };
+  std::vector<Slack> slack_;       // per link
+  std::vector<double> by_rest_;    // per link: of that rate, by the rate of its rest length
+  std::vector<double> soft_rate_;  // m/s, per link: how fast it stretches
   std::size_t first_link_ = 0, first_contact_ = 0, unknowns_ = 0;
   std::vector<Contact> contacts_;         // of the present problem
   std::vector<std::uint32_t> reversing_;  // candidates that slide forwards to their stop

@@ -316,6 +316,32 @@ TEST(Strings, ThatStretchPushNothing) {
   }
 }
 
+// Of light particles, which rattle between their links, no energy comes.
+TEST(Strings, ThatStretchGainNoEnergy) {
+  for (const std::size_t particles : {3, 6, 16}) {
+    for (const double stiffness : {50.0, 1e4, 1e6}) {
+      World world;
+      Connector rubber =
+          straight_connector("rubber", 1, 0.05, particles, Vec3::Zero(), -Vec3::UnitY());
+      for (Vec3& at : rubber.position) at *= 0.8;
+      rubber.pulls = true;
+      Section section;
+      section.axial_stiffness = stiffness;
+      rubber.sections.assign(rubber.links(), section);
+      rubber.particle_mass.back() = 1;
+      rubber.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+      world.connectors = {rubber};
+      world.topology = structure(world);
+      Simulation simulation(world, make_method("direct", {{"tolerance", 1e-3}}));
+      const double start = energy(simulation.world());
+      for (int frame = 1; frame <= 12; ++frame) {
+        simulation.advance_to(0.05 * frame);
+        EXPECT_LT(energy(simulation.world()), start + 0.01) << particles << ' ' << stiffness;
+      }
+    }
+  }
+}
+
 // A weight falls 1.95 m, past the place that its string is fixed to. One string takes what goes
 // along it; one of five light particles gives it back.
 TEST(Strings, OfSeveralLightParticlesThrowAWeightBack) {
