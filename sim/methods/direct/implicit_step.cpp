@@ -1262,6 +1262,11 @@ void ImplicitStep::start_projection(const StepState& at, const Problem& problem)
   place_unknowns(problem);
 }
 
+double ImplicitStep::length_of(const Link& link, const std::vector<double>& state) const {
+  return (vec(&state[mechanism_.position(link.b)]) - vec(&state[mechanism_.position(link.a)]))
+      .norm();
+}
+
 /// The direction in which a link's ends may not part, at the present places.
 Vec3 ImplicitStep::direction(const Link& link) const {
   if (!link.soft && mechanism_.rows()[link.row].axis != Row::kAlongLink) {
@@ -1304,10 +1309,7 @@ bool ImplicitStep::project_places(StepState& to, double allowed) {
         }
       } else {
         const auto& stretch = stretches[link.row];
-        const double length =
-            (vec(&state_[mechanism_.position(link.b)]) - vec(&state_[mechanism_.position(link.a)]))
-                .norm();
-        violation_[k] = length - stretch.rest - to.tension[k] / stretch.stiffness;
+        violation_[k] = length_of(link, state_) - stretch.rest - to.tension[k] / stretch.stiffness;
       }
       if (on_[k] != 0) worst = std::max(worst, std::abs(violation_[k]));
       violation_[k] -= held_rate(link);
@@ -1746,10 +1748,7 @@ bool ImplicitStep::load(const World& world, StepState& to, double touching) {
     const Link& link = links_[k];
     if (link.soft) {
       const auto& stretch = stretches[link.row];
-      const double length = (vec(&to.state[mechanism_.position(link.b)]) -
-                             vec(&to.state[mechanism_.position(link.a)]))
-                                .norm();
-      to.tension[k] = stretch.stiffness * (length - stretch.rest);
+      to.tension[k] = stretch.stiffness * (length_of(link, to.state) - stretch.rest);
     } else if (link.pulls) {
       to.taut[k] = mechanism_.violation()[link.row] >= -touching;
     }
@@ -2293,10 +2292,7 @@ bool ImplicitStep::finish(StepState& to, double touching, bool jumps) {
     const Link& link = links_[k];
     if (!link.soft_string || to.tension[k] > 0) continue;
     const auto& stretch = mechanism_.material().stretches()[link.row];
-    const double length =
-        (vec(&to.state[mechanism_.position(link.b)]) - vec(&to.state[mechanism_.position(link.a)]))
-            .norm();
-    to.tension[k] = stretch.stiffness * (length - stretch.rest);
+    to.tension[k] = stretch.stiffness * (length_of(link, to.state) - stretch.rest);
   }
   find_inside(touching, false, to);
   keep_contacts(to);

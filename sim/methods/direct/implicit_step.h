@@ -208,6 +208,7 @@ class ImplicitStep {
   void solve_with_twists();
   bool goes_the_same_way() const;
   bool has_tautened() const;
+  double length_of(const Link& link, const std::vector<double>& state) const;  // m
   bool iterate(const Problem& problem, double kappa, int most, double enough);
   void guess(double time, const std::vector<double>& rate);
   bool is_decided(double kappa) const;
