@@ -8,7 +8,7 @@ namespace {
 
 // Heavy cotton, doubled at the hem and the cuffs; the belt is sewn of several layers.
 constexpr std::array<Fabric, 3> fabrics = {
-    Fabric{"Skirt", 0.06, 0.002, 0.10, 10, "UpLeg", 0.020},
+    Fabric{"Skirt", 0.06, 0.002, 0.10, 10, "UpLeg", 0.022},
     Fabric{"Cuff", 0.04, 0.002, 0.06, 0, "ForeArm", 0.010},
     Fabric{"Tail", 0.08, 0.002, 0.04, 0, "SkirtFront", 0.026}};
 

@@ -166,6 +166,16 @@ Vec3 passes(const Mechanism& mechanism, std::size_t (Mechanism::*part)(std::size
          (1 - shares.other) * at(links.b) - shares.other * at(links.b + 1);
 }
 
+/// The velocity along a surface of the rope that winches move past a bead, or past the point of a
+/// link at a share of the way to its next bead.
+Vec3 flow(const Mechanism& mechanism, std::size_t point, std::size_t next, double share,
+          const Vec3& normal, const std::vector<double>& state) {
+  if (!mechanism.has_winches()) return Vec3::Zero();
+  Vec3 past = (1 - share) * mechanism.flow_past(point, state.data());
+  if (share > 0) past += share * mechanism.flow_past(next, state.data());
+  return past - normal.dot(past) * normal;
+}
+
 }  // namespace
 
 void ConnectorContacts::rebuild(const Mechanism& mechanism, const World& world) {
@@ -216,8 +226,9 @@ void ConnectorContacts::find(const Mechanism& mechanism, double time,
       if (core.is_outside(at, radius_[p])) continue;
       const SurfaceDistance near = gap(obstacles_[o], frame.pose(), at, radius_[p]);
       if (near.distance > 0) continue;
+      const Vec3 surface = frame.velocity + frame.spin.cross(at - frame.position);
       met_.push_back({p, p, o, 0, near.normal,
-                      frame.velocity + frame.spin.cross(at - frame.position), -near.distance});
+                      surface - flow(mechanism, p, p, 0, near.normal, state), -near.distance});
     }
     if (!links_.empty()) find_links(mechanism, o, frame, state);
   }
@@ -233,8 +244,10 @@ void ConnectorContacts::find_links(const Mechanism& mechanism, std::size_t obsta
     const auto near = deepest(obstacles_[obstacle], frame.pose(), core, a, b, link.radius);
     if (!near) continue;
     const Vec3 at = a + near->share * (b - a);
-    met_.push_back({link.first, link.last, obstacle, near->share, near->distance.normal,
-                    frame.velocity + frame.spin.cross(at - frame.position),
+    const Vec3& normal = near->distance.normal;
+    const Vec3 surface = frame.velocity + frame.spin.cross(at - frame.position);
+    met_.push_back({link.first, link.last, obstacle, near->share, normal,
+                    surface - flow(mechanism, link.first, link.last, near->share, normal, state),
                     -near->distance.distance});
   }
 }
@@ -269,6 +282,8 @@ void ConnectorContacts::find_crossed(const Mechanism& mechanism, double dt,
     const double distance = now.norm();
     if (!(distance > 0)) continue;
     made.normal = (now.dot(was) < 0 ? -1 : 1) / distance * now;
+    made.flow = flow(mechanism, pair.a, pair.a + 1, made.shares.first, made.normal, state) -
+                flow(mechanism, pair.b, pair.b + 1, made.shares.other, made.normal, state);
     crossed_.push_back(made);
   }
 }
@@ -292,8 +307,8 @@ void ConnectorContacts::move_out(const Mechanism& mechanism, double time, double
     const double depth = at.thick - at.normal.dot(place.value());
     if (depth <= 0) continue;
     place.add(depth * at.normal);
-    const Vec3 moved =
-        place.value() - passes(mechanism, &Mechanism::position, at.links, at.shares, before);
+    const Vec3 moved = place.value() + dt * at.flow -
+                       passes(mechanism, &Mechanism::position, at.links, at.shares, before);
     const Vec3 slip = moved - at.normal.dot(moved) * at.normal;
     place.add(-held_share(rules_[at.links.rule], slip.norm(), depth) * slip);
   }
@@ -346,7 +361,7 @@ void ConnectorContacts::stop(const Mechanism& mechanism, double time, double dt,
     if (into <= 0) continue;
     const ConnectorPair& rule = rules_[at.links.rule];
     const double push = into * (1 + (into > resting ? rule.restitution : 0));
-    const Vec3 slip = speed.value() + into * at.normal;
+    const Vec3 slip = speed.value() + at.flow + into * at.normal;
     speed.add(push * at.normal - held_share(rule, slip.norm(), push) * slip);
   }
 }

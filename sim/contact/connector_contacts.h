@@ -43,14 +43,16 @@ class ConnectorContacts {
   struct Met {
     std::size_t point = 0, next = 0, obstacle = 0;
     double share = 0;  // of the way to the next point; zero: the bead itself
-    Vec3 normal = Vec3::UnitY(), surface = Vec3::Zero();  // m/s, of the obstacle there
-    double depth = 0;                                     // m
+    Vec3 normal = Vec3::UnitY();
+    Vec3 surface = Vec3::Zero();  // m/s, of the obstacle there, past what flows along the rope
+    double depth = 0;             // m
   };
   /// Two links that are inside of each other, at the points where they are nearest.
   struct Crossed {
     LinkPair links;  // first points
     NearestShares shares;
     Vec3 normal = Vec3::UnitY();  // out of the second
+    Vec3 flow = Vec3::Zero();     // m/s, of what winches move past the first, past the other
     double thick = 0;             // m, both radii
   };
   void find(const Mechanism& mechanism, double time, const std::vector<double>& state);

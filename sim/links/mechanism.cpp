@@ -335,7 +335,7 @@ std::optional<Mechanism::ClampOnBody> Mechanism::clamp_on_body(
   for (const auto& at : material_.body_clamps()) {
     if (at.clamp == bend.clamp) {
       return ClampOnBody{static_cast<std::uint32_t>(free_index_[at.body]),
-                         material_.direction(at.clamp)};
+                         material_.direction(at.clamp), at.direction};
     }
   }
   return {};
@@ -401,6 +401,17 @@ void Mechanism::add_forces(const double* state) {
     const Vec3& force = force_[carried.point];
     body_push_[carried.body].linear += body.inverse_mass * force;
     body_push_[carried.body].angular += body.world_inverse * carried.arm.cross(force);
+  }
+  for (const auto& at : material_.body_clamps()) {
+    const std::size_t body = free_index_[at.body];
+    material_.each_bend_at(at, [&](std::size_t index) {
+      const material::BendElement& bend = material_.bends()[index];
+      Vec3 by_e0, by_e1;
+      material_.slope(bend, state, state + velocities_, by_e0, by_e1);
+      const Vec3 force = bend.clamped_before() ? by_e0 : by_e1;  // against that on its edge
+      body_push_[body].angular -=
+          bodies_[body].world_inverse * material_.direction(at.clamp).cross(force);
+    });
   }
   for (const BodyPoint& carried : body_points_) {
     const BodyPush& push = body_push_[carried.body];
@@ -608,14 +619,14 @@ void Mechanism::add_flow(const double* state, std::vector<Vec3>& force) const {
       const Vec3 gap = vector(state + 3 * b) - vector(state + 3 * a);
       const Vec3 turned =
           (before.speed + behind.speed) * (vector(velocities + 3 * b) - vector(velocities + 3 * a));
-      force[a] -= winch.density / 2 * (turned + before.rate * gap);
-      force[b] -= winch.density / 2 * (turned + behind.rate * gap);
+      force[leader(a)] -= winch.density / 2 * (turned + before.rate * gap);
+      force[leader(b)] -= winch.density / 2 * (turned + behind.rate * gap);
       if (!at.first_stretch) continue;
       // The tension of a rigid link contains this force.
       const double squares = before.speed * before.speed + behind.speed * behind.speed;
       const Vec3 along = winch.density / 2 * squares / rest_of(at, k) * gap;
-      force[a] -= along;
-      force[b] += along;
+      force[leader(a)] -= along;
+      force[leader(b)] += along;
     }
   }
 }

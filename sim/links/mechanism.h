@@ -87,6 +87,7 @@ class Mechanism {
   struct ClampOnBody {
     std::uint32_t body = 0;
     Vec3 direction = Vec3::Zero();
+    Vec3 local = Vec3::Zero();  // the same in the body's axes
   };
   std::optional<ClampOnBody> clamp_on_body(const material::BendElement& bend) const;
   const std::vector<RowEnd>& row_ends() const { return row_ends_; }

@@ -214,6 +214,11 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
       add_twist(connector, c, first, before, loop);
     first += static_cast<std::uint32_t>(connector.particles());
   }
+  for (BodyClamp& at : body_clamps_) {
+    const auto bend =
+        std::ranges::find_if(bends_, [&](const BendElement& one) { return one.clamp == at.clamp; });
+    at.bend = static_cast<std::size_t>(bend - bends_.begin());
+  }
   lengths_.clear();
   bent_links_.clear();
   lengths_.reserve(bends_.capacity());
@@ -310,20 +315,25 @@ void MaterialForces::add(const double* positions, const double* velocities,
   add_twists(positions, velocities, force);
 }
 
+void MaterialForces::slope(const BendElement& bend, const double* positions,
+                           const double* velocities, Vec3& by_e0, Vec3& by_e1) const {
+  Vec3 e0, e1;
+  edges(bend, positions, e0, e1);
+  const Bend shape(e0, e1, bend.rest);
+  shape.slope(bend.stiffness, by_e0, by_e1);
+  if (!(bend.damping > 0)) return;
+  Vec3 damped0, damped1, rate0, rate1;
+  edge_rates(bend, velocities, rate0, rate1);
+  shape.resistance(bend.damping, rate0, rate1, damped0, damped1);
+  by_e0 += damped0;
+  by_e1 += damped1;
+}
+
 void MaterialForces::add_bends(const double* positions, const double* velocities,
                                std::vector<Vec3>& force) const {
-  Vec3 e0, e1, by_e0, by_e1;
+  Vec3 by_e0, by_e1;
   for (const BendElement& bend : bends_) {
-    edges(bend, positions, e0, e1);
-    const Bend shape(e0, e1, bend.rest);
-    shape.slope(bend.stiffness, by_e0, by_e1);
-    if (bend.damping > 0) {
-      Vec3 damped0, damped1, rate0, rate1;
-      edge_rates(bend, velocities, rate0, rate1);
-      shape.resistance(bend.damping, rate0, rate1, damped0, damped1);
-      by_e0 += damped0;
-      by_e1 += damped1;
-    }
+    slope(bend, positions, velocities, by_e0, by_e1);
     if (!bend.clamped_before()) {
       force[bend.a] += by_e0;
       force[bend.b] -= by_e0;
@@ -357,7 +367,6 @@ void MaterialForces::flow_past(std::size_t drag, double length, double speed) {
   drags_[drag].flow = speed;
 }
 
-/// How much of a rope bends there at rest, m: half of either link.
 double MaterialForces::bent_length(std::size_t bend) const {
   const double before = bends_[bend].clamped_before() ? 0 : lengths_[bend].before;
   const double behind = bends_[bend].clamped_behind() ? 0 : lengths_[bend].behind;
@@ -522,9 +531,12 @@ void MaterialForces::store_twists(World& world) const {
 
 // Of each element the matrix is stiffness d d^T, d how it changes with its points along the way in
 // which it does: 1, -1 for a stretch; 1/l0, -(1/l0 + 1/l1), 1/l1 for a bend.
-MaterialForces::HighestMode MaterialForces::highest_mode(
-    const std::vector<double>& inverse_mass) const {
+MaterialForces::HighestMode MaterialForces::highest_mode(const std::vector<double>& inverse_mass,
+                                                         double bent) const {
   std::vector<double> stiff(inverse_mass.size()), damped(inverse_mass.size());  // sums of rows
+  // By the angle a, of Bend's energy and resistance: (2 tan^2(a/2))'' and (2 tan(a/2))'^2.
+  const double tangent = std::tan(bent / 2), square = 1 + tangent * tangent;
+  const double stiffer = square * (square + 2 * tangent * tangent), slower = square * square;
   const auto add = [&](double stiffness, double damping,
                        std::initializer_list<std::uint32_t> points,
                        std::initializer_list<double> changes) {
@@ -543,7 +555,8 @@ MaterialForces::HighestMode MaterialForces::highest_mode(
     const BendElement& bend = bends_[i];
     const double l0 = bend.clamped_before() ? 0 : 1 / lengths_[i].before;
     const double l1 = bend.clamped_behind() ? 0 : 1 / lengths_[i].behind;
-    add(bend.stiffness, bend.damping, {bend.a, bend.b, bend.c}, {l0, l0 + l1, l1});
+    add(stiffer * bend.stiffness, slower * bend.damping, {bend.a, bend.b, bend.c},
+        {l0, l0 + l1, l1});
   }
   // Of twist what the moment bends aside, at most (moment / 2) (e0^2 + e1^2) / l^2 where two links
   // meet, e how far their ends part across; and stiffness d d^T, d at most 1/l of each link, where

@@ -100,8 +100,16 @@ class MaterialForces {
     std::uint32_t clamp = 0;         // BendElement::clamp
     std::size_t body = 0;            // of World::bodies
     Vec3 direction = Vec3::UnitX();  // in the body's axes
+    std::size_t bend = 0;            // the first of bends() that it clamps
   };
   const std::vector<BodyClamp>& body_clamps() const { return body_clamps_; }
+  /// Visits the indices of the bends at such a clamp: one, or two where it is between the ends.
+  template <class Visit>
+  void each_bend_at(const BodyClamp& at, Visit visit) const {
+    for (std::size_t b = at.bend; b < bends_.size() && bends_[b].clamp == at.clamp; ++b) visit(b);
+  }
+  /// How much of a rope bends there at rest, m: half of either link.
+  double bent_length(std::size_t bend) const;
   const Vec3& direction(std::uint32_t clamp) const { return clamps_[clamp].motion.direction; }
   void turn(std::uint32_t clamp, const ClampMotion& motion) { clamps_[clamp].motion = motion; }
   // Where a winch changes lengths:
@@ -116,6 +124,10 @@ class MaterialForces {
   /// The two edges that an element bends, and their rates.
   void edges(const BendElement& bend, const double* positions, Vec3& e0, Vec3& e1) const;
   void edge_rates(const BendElement& bend, const double* velocities, Vec3& e0, Vec3& e1) const;
+  /// The derivatives of a bend's energy by its two edges, and of half its damping's power by their
+  /// rates, N.
+  void slope(const BendElement& bend, const double* positions, const double* velocities,
+             Vec3& by_e0, Vec3& by_e1) const;
   /// Adds the forces (N) at each point.
   void add(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   /// The half of the air's force on a link that acts at either end, N.
@@ -153,19 +165,19 @@ class MaterialForces {
 
   /// An oscillator x'' + damping x' + frequency^2 x = 0 for which no longer step is stable than for
   /// all that stretches and bends, by the points' inverse masses (1/kg): Gershgorin's bounds on
-  /// M^-1 K and M^-1 C of the straight connector.
+  /// M^-1 K and M^-1 C of the straight connector, or of one whose links meet at
+  /// angles (rad) up to `bent`, where bends are stiffer.
   struct HighestMode {
     double frequency = 0;  // rad/s
     double damping = 0;    // 1/s
   };
-  HighestMode highest_mode(const std::vector<double>& inverse_mass) const;
+  HighestMode highest_mode(const std::vector<double>& inverse_mass, double bent = 0) const;
 
   /// The cycles of add().
   double cycles() const;
 
  private:
   void name_leaders(std::span<const std::uint32_t> leaders);
-  double bent_length(std::size_t bend) const;
   struct Clamp {
     std::size_t connector = 0, hold = 0;
     ClampMotion motion;

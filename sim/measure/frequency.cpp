@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "sim/measure/measure.h"
 
@@ -175,27 +177,82 @@ double highest_swing_frequency(const World& world) {
   });
 }
 
-double heaviest_link(const World& world) {
+namespace {
+
+/// Calls visit(tension, length, mobility) for each link that is not of length 0: N at rest, m, and
+/// 1/kg of the lighter of the masses that it joins. Of joined connectors each link bears all
+/// weight.
+template <class Visit>
+void each_loaded_link(const World& world, Visit visit) {
   if (!world.joints.empty()) {
     const double weight = whole_weight(world);
     const std::vector<double> mobility = joined_mobility(world);
-    double most = 0;
     each_joined_link(world, [&](double rest, std::size_t a, std::size_t b) {
-      most = std::max(most, weight * std::max(mobility[a], mobility[b]) / rest);
+      visit(weight, rest, std::max(mobility[a], mobility[b]));
     });
-    return most;
+    return;
   }
-  double heaviest = 0;
   for (const Connector& connector : world.connectors) {
     const HangingLoad chain(world, connector);
     double tension = 0;
     for (std::size_t i = chain.size(); i-- > 0;) {
       tension += chain.mass(i) * world.gravity.norm();
       const double mobility = std::max(chain.mobility(i), i > 0 ? chain.mobility(i - 1) : 0);
-      if (chain.rest(i) > 0) heaviest = std::max(heaviest, tension * mobility / chain.rest(i));
+      if (chain.rest(i) > 0) visit(tension, chain.rest(i), mobility);
     }
   }
-  return heaviest;
+}
+
+}  // namespace
+
+double heaviest_link(const World& world) {
+  double most = 0;
+  each_loaded_link(world, [&](double tension, double length, double mobility) {
+    most = std::max(most, tension * mobility / length);
+  });
+  return most;
+}
+
+double heaviest_bend(const World& world) {
+  double most = 0;
+  for (const Connector& connector : world.connectors) {
+    const double mass =
+        std::accumulate(connector.particle_mass.begin(), connector.particle_mass.end(), 0.0);
+    const double hangs = mass * world.gravity.norm() * connector.length / 2;  // N m
+    for (std::size_t k = 0; k < connector.sections.size(); ++k) {
+      const double length = connector.rest[k];
+      const double half_turn = std::numbers::pi * connector.sections[k].bending_stiffness / length;
+      const double sum = std::min(hangs * static_cast<double>(connector.links()), half_turn);
+      const double lighter =
+          std::min(mass_of(world, connector, k), mass_of(world, connector, k + 1));
+      if (sum > 0 && lighter > 0) most = std::max(most, sum / (lighter * length * length));
+    }
+  }
+  return most;
+}
+
+double tightest_link(const World& world) {
+  double most = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t k = 0; k < connector.sections.size(); ++k) {
+      const double length = connector.rest[k];
+      const double longer = (connector.position[k + 1] - connector.position[k]).norm() - length;
+      const double lighter =
+          std::min(mass_of(world, connector, k), mass_of(world, connector, k + 1));
+      const double tension = connector.sections[k].axial_stiffness * longer / length;
+      if (tension > 0 && std::isfinite(tension) && lighter > 0)
+        most = std::max(most, tension / (lighter * length));
+    }
+  }
+  return most;
+}
+
+double strongest_pull(const World& world) {
+  double most = 0;
+  each_loaded_link(world, [&](double tension, double length, double) {
+    most = std::max(most, tension / length);
+  });
+  return most;
 }
 
 double highest_stretch_frequency(const World& world, double stiffness) {

@@ -21,5 +21,12 @@ double highest_stretch_frequency(const World& world, double stiffness);
 /// The largest T/(m l) (1/s^2) of any link: T its tension, m the lighter of the masses that it
 /// joins, l its length.
 double heaviest_link(const World& world);
+/// The same of links that stretch, with the tensions of the present state.
+double tightest_link(const World& world);
+/// The largest S/(m l^2) (1/s^2) of any link of connectors that resist bending: S the sum of the
+/// moments in all bends, each that of the weight at half of the length, or all that of half a turn.
+double heaviest_bend(const World& world);
+/// The largest T/l (N/m) of any link.
+double strongest_pull(const World& world);
 
 }  // namespace taut

@@ -219,7 +219,7 @@ MethodInfo impulse_method() {
   return {
       .name = kImpulse,
       .summary = "impulses between the ends, particles repositioned",
-      .settings = {step_setting(false, 10),
+      .settings = {step_setting({}, 10),
                    {.name = "h",
                     .meaning =
                         "How far a link's length may be off before it is corrected; larger is "

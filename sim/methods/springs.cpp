@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "sim/contact/body_contacts.h"
 #include "sim/contact/connector_contacts.h"
@@ -19,6 +20,7 @@ constexpr double kSafety = 0.9;     // of the stability limit, when the step is 
 constexpr double kLongest = 1e-2;   // s, when nothing limits the step
 constexpr double kShortest = 1e-5;  // s, when no step is stable
 constexpr double kGrowth = 1;       // 1/s, of the fastest swing under explicit Euler
+constexpr double kBent = 1;         // rad, where links meet: sharper bends may be unstable
 
 /// A bound on the frequency (rad/s) of the fastest way in which rigid links of `stiffness` (N/m)
 /// stretch, whatever the shape, by the mobility of their rows; 2 sqrt(k/m) for a chain of equal
@@ -50,11 +52,38 @@ double joined_stretch_frequency_bound(const Mechanism& mechanism,
   return std::sqrt(stiffness * most);
 }
 
+/// How freely each point moves (1/kg), those that free bodies carry as well. A clamp turns its body
+/// by a lever as long as its link.
+std::vector<double> point_mobility(const Mechanism& mechanism) {
+  const material::MaterialForces& material = mechanism.material();
+  std::vector<double> mobility = mechanism.inverse_mass(), lever(mobility.size());
+  for (const auto& at : material.body_clamps()) {
+    material.each_bend_at(at, [&](std::size_t bend) {
+      double& longest = lever[material.bends()[bend].b];
+      longest = std::max(longest, 2 * material.bent_length(bend));
+    });
+  }
+  for (const auto& carried : mechanism.body_points()) {
+    const auto& body = mechanism.bodies()[carried.body];
+    const double reach = carried.local.norm() + lever[carried.point];
+    mobility[carried.point] = body.inverse_mass + reach * reach * body.inverse_inertia.norm();
+  }
+  return mobility;
+}
+
+Settings with_own_stiffness(const World& world, Settings settings) {
+  constexpr double kLeastStiffness = 1e4;  // N/m
+  constexpr double kStretched = 0.01;      // of a link at rest
+  double& stiffness = std::get<double>(settings.find("stiffness")->second);
+  if (stiffness == 0) stiffness = std::max(kLeastStiffness, strongest_pull(world) / kStretched);
+  return settings;
+}
+
 class Springs : public SteppedMethod {
  public:
   explicit Springs(const Settings& settings)
       : SteppedMethod("springs", number(settings, "step")),
-        stiffness_(number(settings, "stiffness")),
+        settings_(settings),
         damping_(number(settings, "damping")),
         integrator_(integrator_named(text(settings, "integrator"))),
         limit_(stability_limit(integrator_, damping_)),
@@ -62,6 +91,10 @@ class Springs : public SteppedMethod {
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
+    if (fitted_ != world.topology) {
+      stiffness_ = number(with_own_stiffness(world, settings_), "stiffness");
+      fitted_ = world.topology;
+    }
     stepper_.prepare(mechanism);
     connectors_.rebuild(mechanism, world);
     bodies_.rebuild(mechanism, world);
@@ -82,7 +115,7 @@ class Springs : public SteppedMethod {
   double stable_step(const Mechanism& mechanism, double highest) const {
     const double stable = std::min(kLongest, kSafety * limit_ / highest);
     if (!mechanism.material().any()) return limit_ > 0 ? stable : 0;
-    const auto mode = mechanism.material().highest_mode(mechanism.inverse_mass());
+    const auto mode = mechanism.material().highest_mode(point_mobility(mechanism), kBent);
     const double all = std::hypot(highest, mode.frequency);
     const double share = (damping_ * highest + mode.damping / 2) / all;
     const double limit = stability_limit(integrator_, share);
@@ -105,8 +138,10 @@ class Springs : public SteppedMethod {
     if (bodies_.any()) bodies_.stop(mechanism, time + dt, dt, state);
   }
 
-  double stiffness_, damping_;  // N/m, 1
-  double damper_ = 0;           // N s/m
+  Settings settings_;
+  std::optional<std::uint64_t> fitted_;  // the topology that has this stiffness
+  double stiffness_ = 0, damping_;       // N/m, 1
+  double damper_ = 0;                    // N s/m
   Integrator integrator_;
   double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;
@@ -118,7 +153,7 @@ class Springs : public SteppedMethod {
 double longest_step(const World& world, const Settings& settings) {
   return stability_limit(integrator_named(text(settings, "integrator")),
                          number(settings, "damping")) /
-         highest_stretch_frequency(world, number(settings, "stiffness"));
+         highest_stretch_frequency(world, number(with_own_stiffness(world, settings), "stiffness"));
 }
 
 Companion companion_of_springs(const MethodInfo& springs, const Settings& settings) {
@@ -135,12 +170,14 @@ MethodInfo springs_method() {
   return {
       .name = "springs",
       .summary = "a particle system: a hard spring and damper per link",
-      .settings = {step_setting(true, 0),
+      .settings = {step_setting("The time step; zero takes a share of the longest that is stable.",
+                                0),
                    {.name = "stiffness",
-                    .meaning = "Of each link; more stretches less and needs shorter steps.",
+                    .meaning = "Of each link; more stretches less and needs shorter steps. Zero "
+                               "takes 10000, or more where something heavy hangs: links stretch "
+                               "by 1% at rest.",
                     .unit = "N/m",
-                    .fallback = 1e4,
-                    .above = true,
+                    .fallback = 0.0,
                     .sweep = {1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6, 1e7, 1e8}},
                    {.name = "damping",
                     .meaning = "Of the fastest wave along the connector, as a share of critical.",
@@ -159,17 +196,16 @@ MethodInfo springs_method() {
       .paper_role = PaperRole::particle_system,
       .forms = {{"explicit-euler", {{"integrator", std::string("explicit-euler")}}},
                 {"rk4", {{"integrator", std::string("rk4")}}}},
+      .fit = with_own_stiffness,
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .abilities = {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
-                        Features{Feature::span, Feature::clamp_on_body},
+                        Features{Feature::span},
                     {
-                        {Feature::winch, kContactFeatures | Feature::strings},
-                        {Feature::winch,
-                         kJointFeatures | kUnlikeReels | Feature::stretch,
-                         {},
-                         Apart::Within::connector},
-                        {kMaterialFeatures - Features{Feature::stretch, Feature::air},
+                        {Feature::winch, kUnlikeReels, {}, Apart::Within::connector},
+                        {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
+                        {kMaterialFeatures -
+                             Features{Feature::stretch, Feature::air, Feature::material_on_body},
                          Feature::strings,
                          {},
                          Apart::Within::connector},

@@ -29,16 +29,30 @@ void SteppedMethod::advance(World& world, double until) {
     limit_ = prepare(mechanism_, world);
   } else {
     mechanism_.load(world, state_);
-    if (mechanism_.has_winches()) {
-      mechanism_.place(world.time, state_.data());
+  }
+  double time = world.time;
+  if (!mechanism_.has_winches() || step_ > 0) {
+    go_on(world, time, until);
+  } else {
+    // The longest step changes with the links' lengths.
+    constexpr double kSteps = 100;
+    while (time < until) {
+      mechanism_.place(time, state_.data());
       limit_ = prepare(mechanism_, world);
+      const double next = until - time > 2 * kSteps * limit_ ? time + kSteps * limit_ : until;
+      go_on(world, time, next);
+      time = next;
     }
   }
-  if (!(step_ > 0) && !((until - world.time) / limit_ <= kMostRunSteps)) {
-    throw Diverged(name_, world.time, counters_.steps, world.connectors.front().name, 0,
+  mechanism_.store(state_, until, world);
+}
+
+void SteppedMethod::go_on(const World& world, double time, double until) {
+  if (!(step_ > 0) && !((until - time) / limit_ <= kMostRunSteps)) {
+    throw Diverged(name_, time, counters_.steps, world.connectors.front().name, 0,
                    "the longest step that is stable is too short for a run");
   }
-  const StepTimes times(world.time, until, step_ > 0 ? step_ : limit_);
+  const StepTimes times(time, until, step_ > 0 ? step_ : limit_);
   for (std::uint64_t i = 0; i < times.count; ++i) {
     check_stop();
     step(mechanism_, times.at(i), times.dt, state_);
@@ -50,7 +64,6 @@ void SteppedMethod::advance(World& world, double until) {
                      "diverged (a link is not finite or a hundred times too long)");
     }
   }
-  mechanism_.store(state_, until, world);
 }
 
 void row_mobility(const Mechanism& mechanism, std::vector<double>& rows) {

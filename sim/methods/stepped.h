@@ -30,6 +30,8 @@ class SteppedMethod : public Method {
   virtual void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) = 0;
 
  private:
+  void go_on(const World& world, double time, double until);
+
   std::string name_;
   double step_, limit_ = 0;
   bool built_ = false;

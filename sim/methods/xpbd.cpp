@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "sim/contact/body_contacts.h"
 #include "sim/contact/connector_contacts.h"
@@ -25,10 +26,28 @@ Map vector(double* at) {
   return Map(at);
 }
 
+/// At rest a pass gives each link the T dt^2 that gravity and its neighbours took, by which the
+/// next link's turn moves the particle between them: so much, over m, a link stays too long. More
+/// passes share it. A bend of moment M moves it by M dt^2 / (m l), and such turns add up along a
+/// rod.
+double stiff_step(const World& world, const Settings& settings) {
+  constexpr double kStretched = 0.01;  // of a link; and radians, of a rod
+  const double most = std::max({heaviest_link(world), tightest_link(world), heaviest_bend(world)});
+  return std::sqrt(kStretched * number(settings, "iterations") / most);
+}
+
+Settings with_own_step(const World& world, Settings settings) {
+  constexpr double kOpenStep = 1e-3;  // s
+  double& step = std::get<double>(settings.find("step")->second);
+  if (step == 0) step = std::min(kOpenStep, stiff_step(world, settings));
+  return settings;
+}
+
 class Xpbd final : public SteppedMethod {
  public:
   explicit Xpbd(const Settings& settings)
       : SteppedMethod(kXpbd, number(settings, "step")),
+        settings_(settings),
         compliance_(number(settings, "compliance")),
         iterations_(static_cast<int>(number(settings, "iterations"))) {}
 
@@ -39,15 +58,18 @@ class Xpbd final : public SteppedMethod {
     bool any() const { return a != kNone || b != kNone; }
   };
 
-  double prepare(Mechanism& mechanism, const World&) override;
+  double prepare(Mechanism& mechanism, const World& world) override;
   bool stops_stretch() const override { return false; }  // velocities come from positions
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override;
   void share_impact(Mechanism& mechanism, double time, std::vector<double>& state);
   void flow(Mechanism& mechanism, double time, double dt, std::vector<double>& state);
   void pass(const Mechanism& mechanism, double softness, double* state);
 
+  Settings settings_;
   double compliance_;  // m/N
   int iterations_;
+  std::optional<std::uint64_t> fitted_;       // the topology that has
+  double own_step_ = 0;                       // s, where the settings leave the step open
   double step_cycles_ = 0, pass_cycles_ = 0;  // see Counters::cycles
   std::vector<Carriers> carriers_;            // per row
   std::vector<double> multiplier_, flown_;    // kg m per row; the state after free motion
@@ -80,13 +102,17 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
       20 + 80 * count(mechanism.rows().size()) + 450 * count(mechanism.row_ends().size());
   pass_cycles_ += mechanism.material().cycles();
   step_cycles_ = 150 + 20 * count(mechanism.points()) + 700 * count(mechanism.bodies().size());
-  return 0;
+  if (fitted_ != world.topology) {
+    own_step_ = number(with_own_step(world, settings_), "step");
+    fitted_ = world.topology;
+  }
+  return own_step_;
 }
 
 void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
   if (connectors_.any() || bodies_.any()) started_ = state;
   if (material_.any()) {
-    material_.begin(state);
+    material_.begin();
     material_.blow(mechanism, dt, state);
   }
   if (mechanism.has_winches()) flow(mechanism, time, dt, state);
@@ -121,6 +147,10 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     velocity += (ConstMap(&state[q]) - ConstMap(&flown_[q])) / dt;
     const Quat turned = quaternion(&state[q + 3]) * quaternion(&flown_[q + 3]).conjugate();
     spin += angle(turned) / dt;
+  }
+  if (material_.damps()) {
+    material_.begin_damping();
+    for (int i = 0; i < iterations_; ++i) material_.damp(mechanism, dt, state.data());
   }
   if (connectors_.any()) connectors_.rebound(mechanism, dt, started_, state);
   if (bodies_.any() && bodies_.rebound(mechanism, dt, started_, state)) {
@@ -190,21 +220,15 @@ void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
   }
 }
 
-/// At rest a pass gives each link the T dt^2 that gravity and its neighbours took, by which the
-/// next link's turn moves the particle between them: so much, over m, a link stays too long. More
-/// passes share it.
-double stiff_step(const World& world, const Settings& settings) {
-  constexpr double kStretched = 0.01;  // of a link
-  return std::sqrt(kStretched * number(settings, "iterations") / heaviest_link(world));
-}
-
 }  // namespace
 
 MethodInfo xpbd_method() {
   return {
       .name = kXpbd,
       .summary = "extended position-based dynamics with small steps",
-      .settings = {step_setting(false, 12),
+      .settings = {step_setting("The time step; zero takes 1 ms, or less where something heavy "
+                                "hangs or rods are stiff: links stretch by 1% at rest.",
+                                12),
                    {.name = "compliance",
                     .meaning = "How far a newton stretches each link; more is softer.",
                     .unit = "m/N",
@@ -220,18 +244,16 @@ MethodInfo xpbd_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Xpbd>(settings);
       },
+      .fit = with_own_step,
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .abilities = {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
-                        Features{Feature::span, Feature::clamp_on_body},
+                        Features{Feature::span},
                     {
-                        {Feature::winch, Feature::friction,
-                         "rope of a winch flows past the particles that touch"},
-                        {Feature::winch,
-                         kJointFeatures | kUnlikeReels | Feature::stretch,
-                         {},
-                         Apart::Within::connector},
-                        {kMaterialFeatures - Features{Feature::stretch, Feature::air},
+                        {Feature::winch, kUnlikeReels, {}, Apart::Within::connector},
+                        {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
+                        {kMaterialFeatures -
+                             Features{Feature::stretch, Feature::air, Feature::material_on_body},
                          Feature::strings,
                          {},
                          Apart::Within::connector},

@@ -1,12 +1,17 @@
 #include "sim/methods/xpbd_material.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/material/elements.h"
 #include "sim/methods/carried.h"
 
 namespace taut::methods {
+namespace {
+
+using Map = Eigen::Map<Vec3>;
+using ConstMap = Eigen::Map<const Vec3>;
+
+}  // namespace
 
 void XpbdMaterial::rebuild(const Mechanism& mechanism) {
   const material::MaterialForces& material = mechanism.material();
@@ -15,7 +20,12 @@ void XpbdMaterial::rebuild(const Mechanism& mechanism) {
   multiplier_.reserve(2 * (mechanism.state_room() / 6));
   multiplier_.assign(
       material.stretches().size() + material.bends().size() + material.twists().size(), 0.0);
-  started_.reserve(mechanism.state_room());
+  damper_.reserve(multiplier_.capacity());
+  damper_.assign(multiplier_.size(), 0.0);
+  const auto damps = [](const auto& element) { return element.damping > 0; };
+  damps_ = std::ranges::any_of(material.stretches(), damps) ||
+           std::ranges::any_of(material.bends(), damps) ||
+           std::ranges::any_of(material.twists(), damps);
   force_.reserve(mechanism.state_room() / 6);
   force_.resize(mechanism.points());
   carried_.clear();
@@ -45,97 +55,168 @@ void XpbdMaterial::blow(const Mechanism& mechanism, double dt, std::vector<doubl
   }
 }
 
-void XpbdMaterial::begin(const std::vector<double>& started) {
-  started_ = started;
+void XpbdMaterial::begin() {
   std::ranges::fill(multiplier_, 0.0);
 }
 
-template <std::size_t N>
-void XpbdMaterial::project(const Mechanism& mechanism, double dt, double stiffness, double damping,
-                           double value, const Change (&changes)[N], double& multiplier,
-                           double* state) {
-  double easy = 0, since = 0;  // of C: its mobility (1/kg), and how it has changed in the step
-  for (const Change& change : changes) {
-    const Mechanism::BodyPoint* body_point = carried(mechanism, change.point);
-    easy += body_point ? mobility(mechanism, *body_point, change.gradient, state)
-                       : mechanism.inverse_mass()[change.point] * change.gradient.squaredNorm();
-    const std::size_t at = mechanism.position(change.point);
-    since += change.gradient.dot(Eigen::Map<const Vec3>(state + at) -
-                                 Eigen::Map<const Vec3>(&started_[at]));
+XpbdMaterial::BodyChange& XpbdMaterial::change_of(std::uint32_t body, Constraint& in) {
+  for (std::size_t b = 0; b < in.bodies; ++b)
+    if (in.body[b].body == body) return in.body[b];
+  in.body[in.bodies] = {.body = body};
+  return in.body[in.bodies++];
+}
+
+void XpbdMaterial::add(const Mechanism& mechanism, std::uint32_t point, const Vec3& gradient,
+                       const double* state, Constraint& to) const {
+  if (const Mechanism::BodyPoint* at = carried(mechanism, point)) {
+    BodyChange& body = change_of(at->body, to);
+    const Quat rotation = quaternion(state + mechanism.pose(at->body) + 3);
+    body.by_place += gradient;
+    body.by_turn += at->local.cross(rotation.conjugate() * gradient);
+  } else {
+    to.point[to.points++] = {point, gradient};
+    to.mobility += mechanism.inverse_mass()[point] * gradient.squaredNorm();
   }
-  const double hard = stiffness * dt * dt, slow = damping * dt;  // kg
-  const double more = -(hard * value + multiplier + slow * since) / (1 + (hard + slow) * easy);
-  multiplier += more;
-  for (const Change& change : changes) {
-    if (const Mechanism::BodyPoint* body_point = carried(mechanism, change.point)) {
-      pull(mechanism, *body_point, more * change.gradient, state);
-      continue;
-    }
-    Eigen::Map<Vec3> position(state + mechanism.position(change.point));
-    position += more * mechanism.inverse_mass()[change.point] * change.gradient;
+}
+
+/// False where C is no matter there: a string is slack, or has no direction.
+bool XpbdMaterial::measure(const Mechanism& mechanism, const material::StretchElement& link,
+                           const double* state, Constraint& made) const {
+  const Vec3 gap =
+      ConstMap(state + mechanism.position(link.b)) - ConstMap(state + mechanism.position(link.a));
+  const double length = gap.norm();
+  if (!(length > 0) || (link.pulls && length <= link.rest)) return false;
+  const Vec3 unit = gap / length;
+  made.value = length - link.rest;
+  made.pulls = link.pulls;
+  if (link.rest_rate != 0) made.given = length / link.rest * link.rest_rate;
+  add(mechanism, link.a, -unit, state, made);
+  add(mechanism, link.b, unit, state, made);
+  return true;
+}
+
+bool XpbdMaterial::measure(const Mechanism& mechanism, const material::BendElement& bend,
+                           const double* state, Constraint& made) const {
+  Vec3 e0, e1, by_e0, by_e1;
+  mechanism.material().edges(bend, state, e0, e1);
+  const auto clamp = mechanism.clamp_on_body(bend);
+  if (clamp) {  // turned since the last place()
+    (bend.clamped_before() ? e0 : e1) =
+        quaternion(state + mechanism.pose(clamp->body) + 3) * clamp->local;
   }
+  const material::Bend shape(e0, e1, bend.rest);
+  // The gradient of C is that of C^2 / 2 over C.
+  made.value = std::sqrt(2 * shape.energy(1));
+  if (!(made.value > 0)) return false;
+  shape.slope(1 / made.value, by_e0, by_e1);
+  if (clamp) {
+    const Quat rotation = quaternion(state + mechanism.pose(clamp->body) + 3);
+    const Vec3& gradient = bend.clamped_before() ? by_e0 : by_e1;
+    change_of(clamp->body, made).by_turn += clamp->local.cross(rotation.conjugate() * gradient);
+  }
+  if (bend.clamped_before()) by_e0.setZero();
+  if (bend.clamped_behind()) by_e1.setZero();
+  if (!bend.clamped_before()) add(mechanism, bend.a, -by_e0, state, made);
+  add(mechanism, bend.b, by_e0 - by_e1, state, made);
+  if (!bend.clamped_behind()) add(mechanism, bend.c, by_e1, state, made);
+  return true;
 }
 
 void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
   const material::MaterialForces& material = mechanism.material();
   double* multiplier = multiplier_.data();
-  for (const material::StretchElement& link : material.stretches()) {
-    const Vec3 gap = Eigen::Map<const Vec3>(state + mechanism.position(link.b)) -
-                     Eigen::Map<const Vec3>(state + mechanism.position(link.a));
-    const double length = gap.norm();
-    if (length > 0 && (!link.pulls || length > link.rest)) {
-      const Vec3 unit = gap / length;
-      project<2>(mechanism, dt, link.stiffness, link.damping, length - link.rest,
-                 {{link.a, -unit}, {link.b, unit}}, *multiplier, state);
+  const auto project = [&](const auto& element) {
+    Constraint at;
+    double& sum = *multiplier++;
+    if (!measure(mechanism, element, state, at)) return;
+    for (std::size_t b = 0; b < at.bodies; ++b)
+      at.mobility += mobility(mechanism, at.body[b].body, at.body[b].by_place, at.body[b].by_turn);
+    const double hard = element.stiffness * dt * dt;  // kg
+    const double more = -(hard * at.value + sum) / (1 + hard * at.mobility);
+    sum += more;
+    for (std::size_t p = 0; p < at.points; ++p) {
+      const auto& [point, gradient] = at.point[p];
+      Map(state + mechanism.position(point)) += more * mechanism.inverse_mass()[point] * gradient;
     }
-    ++multiplier;
-  }
-  Vec3 e0, e1, by_e0, by_e1;
-  for (const material::BendElement& bend : material.bends()) {
-    material.edges(bend, state, e0, e1);
-    const material::Bend shape(e0, e1, bend.rest);
-    // The gradient of C is that of C^2 / 2 over C.
-    const double value = std::sqrt(2 * shape.energy(1));
-    if (value > 0) {
-      shape.slope(1 / value, by_e0, by_e1);
-      if (bend.clamped_before()) by_e0.setZero();
-      if (bend.clamped_behind()) by_e1.setZero();
-      const Vec3 middle = by_e0 - by_e1;
-      project<3>(mechanism, dt, bend.stiffness, bend.damping, value,
-                 {{bend.a, -by_e0}, {bend.b, middle}, {bend.c, by_e1}}, *multiplier, state);
+    for (std::size_t b = 0; b < at.bodies; ++b) {
+      pull(mechanism, at.body[b].body, more * at.body[b].by_place, more * at.body[b].by_turn,
+           state);
     }
-    ++multiplier;
-  }
+  };
+  for (const material::StretchElement& link : material.stretches()) project(link);
+  for (const material::BendElement& bend : material.bends()) project(bend);
   for (const material::TwistElement& rod : material.twists()) {
     material.twist_slope(rod, state, force_);
-    project_twist(mechanism, dt, rod, *multiplier++, state);
+    double mobility = 0;
+    for (std::uint32_t i = 0; i <= rod.links; ++i)
+      mobility += mechanism.inverse_mass()[material.point_of(rod, i)] * force_[i].squaredNorm();
+    const double hard = rod.stiffness * dt * dt;
+    double& sum = *multiplier++;
+    const double more = -(hard * material.twist(rod, state) + sum) / (1 + hard * mobility);
+    sum += more;
+    for (std::uint32_t i = 0; i <= rod.links; ++i) {
+      const std::uint32_t point = material.point_of(rod, i);
+      Map(state + mechanism.position(point)) += more * mechanism.inverse_mass()[point] * force_[i];
+    }
   }
 }
 
-/// The same for a constraint with all particles of a connector, its gradient in `force_`.
-void XpbdMaterial::project_twist(const Mechanism& mechanism, double dt,
-                                 const material::TwistElement& rod, double& multiplier,
-                                 double* state) {
-  double mobility = 0, since = 0;
-  const auto each = [&](auto visit) {
-    for (std::uint32_t i = 0; i <= rod.links; ++i) {
-      const std::uint32_t point = mechanism.material().point_of(rod, i);
-      visit(point, mechanism.position(point), force_[i]);
+void XpbdMaterial::damp(const Mechanism& mechanism, double dt, double* state) {
+  const material::MaterialForces& material = mechanism.material();
+  const double* multiplier = multiplier_.data();
+  double* damper = damper_.data();
+  const auto slow = [&](const auto& element) {
+    Constraint at;
+    const double pulled = *multiplier++ / dt;  // N s, by the stiffness
+    double& sum = *damper++;
+    if (!(element.damping > 0) || !measure(mechanism, element, state, at)) return;
+    double rate = -at.given;
+    for (std::size_t p = 0; p < at.points; ++p) {
+      rate += at.point[p].gradient.dot(ConstMap(state + mechanism.velocity(at.point[p].point)));
+    }
+    for (std::size_t b = 0; b < at.bodies; ++b) {
+      const BodyChange& change = at.body[b];
+      at.mobility += mobility(mechanism, change.body, change.by_place, change.by_turn);
+      const double* twist = state + mechanism.twist(change.body);
+      const Quat rotation = quaternion(state + mechanism.pose(change.body) + 3);
+      rate += change.by_place.dot(ConstMap(twist)) +
+              change.by_turn.dot(rotation.conjugate() * ConstMap(twist + 3));
+    }
+    const double hard = element.damping * dt;  // kg
+    double more = -(hard * rate + sum) / (1 + hard * at.mobility);
+    if (at.pulls) more = std::min(more, -pulled - sum);
+    sum += more;
+    for (std::size_t p = 0; p < at.points; ++p) {
+      const auto& [point, gradient] = at.point[p];
+      Map(state + mechanism.velocity(point)) += more * mechanism.inverse_mass()[point] * gradient;
+    }
+    for (std::size_t b = 0; b < at.bodies; ++b) {
+      const BodyChange& change = at.body[b];
+      const auto& body = mechanism.bodies()[change.body];
+      double* twist = state + mechanism.twist(change.body);
+      const Quat rotation = quaternion(state + mechanism.pose(change.body) + 3);
+      Map(twist) += more * body.inverse_mass * change.by_place;
+      Map(twist + 3) += more * (rotation * (body.inverse_inertia * change.by_turn));
     }
   };
-  each([&](std::uint32_t point, std::size_t at, const Vec3& gradient) {
-    mobility += mechanism.inverse_mass()[point] * gradient.squaredNorm();
-    since +=
-        gradient.dot(Eigen::Map<const Vec3>(state + at) - Eigen::Map<const Vec3>(&started_[at]));
-  });
-  const double value = mechanism.material().twist(rod, state);
-  const double hard = rod.stiffness * dt * dt, slow = rod.damping * dt;
-  const double more = -(hard * value + multiplier + slow * since) / (1 + (hard + slow) * mobility);
-  multiplier += more;
-  each([&](std::uint32_t point, std::size_t at, const Vec3& gradient) {
-    Eigen::Map<Vec3> position(state + at);
-    position += more * mechanism.inverse_mass()[point] * gradient;
-  });
+  for (const material::StretchElement& link : material.stretches()) slow(link);
+  for (const material::BendElement& bend : material.bends()) slow(bend);
+  for (const material::TwistElement& rod : material.twists()) {
+    double& sum = *damper++;
+    if (!(rod.damping > 0)) continue;
+    material.twist_slope(rod, state, force_);
+    double mobility = 0;
+    for (std::uint32_t i = 0; i <= rod.links; ++i)
+      mobility += mechanism.inverse_mass()[material.point_of(rod, i)] * force_[i].squaredNorm();
+    const double hard = rod.damping * dt;
+    const double rate = material.twist_rate(rod, state, state + mechanism.velocity(0));
+    const double more = -(hard * rate + sum) / (1 + hard * mobility);
+    sum += more;
+    for (std::uint32_t i = 0; i <= rod.links; ++i) {
+      const std::uint32_t point = material.point_of(rod, i);
+      Map(state + mechanism.velocity(point)) += more * mechanism.inverse_mass()[point] * force_[i];
+    }
+  }
 }
 
 }  // namespace taut::methods

@@ -1,6 +1,8 @@
 // Stretch, bending and air as games do them: compliant constraints, projected one after another.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "sim/links/mechanism.h"
@@ -8,7 +10,9 @@
 namespace taut::methods {
 
 /// Macklin, Mueller and Chentanez, XPBD, 2016: a constraint C of energy k C^2 / 2 has a multiplier
-/// (kg m) of its own, and damping c acts on what C has changed by since the step began.
+/// (kg m) of its own. Damping c acts on velocities when positions have made these, as Mueller and
+/// others do, Detailed rigid body simulation, 2020: in the same pass as stiffness it would take a
+/// share c / (c + k dt) of what the pass moves back, and heavy loads would stretch ropes.
 class XpbdMaterial {
  public:
   void rebuild(const Mechanism& mechanism);
@@ -16,22 +20,41 @@ class XpbdMaterial {
 
   /// The air's push in a step of `dt` (s), before particles fly.
   void blow(const Mechanism& mechanism, double dt, std::vector<double>& state);
-  /// Forgets the multipliers, as a step begins from `started`.
-  void begin(const std::vector<double>& started);
+  /// Forgets the multipliers, as a step begins.
+  void begin();
   /// Goes through all elements once.
   void pass(const Mechanism& mechanism, double dt, double* state);
+  /// Goes through their dampers once, after begin_damping(). Places carried points' velocities
+  /// nowhere: Mechanism::place() does.
+  void begin_damping() { std::ranges::fill(damper_, 0.0); }
+  void damp(const Mechanism& mechanism, double dt, double* state);
+  bool damps() const { return damps_; }
 
  private:
-  struct Change {  // of a constraint with a point
+  struct Change {  // of C with a point
     std::uint32_t point = 0;
     Vec3 gradient = Vec3::Zero();
   };
-  template <std::size_t N>
-  void project(const Mechanism& mechanism, double dt, double stiffness, double damping,
-               double value, const Change (&changes)[N], double& multiplier, double* state);
-
-  void project_twist(const Mechanism& mechanism, double dt, const material::TwistElement& rod,
-                     double& multiplier, double* state);
+  struct BodyChange {  // of C with a body's place, and its turn in body axes
+    std::uint32_t body = 0;
+    Vec3 by_place = Vec3::Zero(), by_turn = Vec3::Zero();
+  };
+  /// C and its gradient by free points and by bodies, at the places of a state.
+  struct Constraint {
+    double value = 0, mobility = 0;  // 1/kg
+    double given = 0;                // 1/s of C: its rate that is no matter of damping
+    bool pulls = false;              // C pushes nothing
+    std::size_t points = 0, bodies = 0;
+    std::array<Change, 3> point;
+    std::array<BodyChange, 3> body;
+  };
+  void add(const Mechanism& mechanism, std::uint32_t point, const Vec3& gradient,
+           const double* state, Constraint& to) const;
+  static BodyChange& change_of(std::uint32_t body, Constraint& in);
+  bool measure(const Mechanism& mechanism, const material::StretchElement& link,
+               const double* state, Constraint& made) const;
+  bool measure(const Mechanism& mechanism, const material::BendElement& bend, const double* state,
+               Constraint& made) const;
 
   /// The body's point at a point that a free body carries; null: none does.
   const Mechanism::BodyPoint* carried(const Mechanism& mechanism, std::uint32_t point) const {
@@ -40,10 +63,10 @@ class XpbdMaterial {
   }
 
   static constexpr std::uint32_t kNone = 0xffffffff;
-  bool any_ = false;
+  bool any_ = false, damps_ = false;
   std::vector<std::uint32_t> carried_;  // of each point, in body_points(); empty: no body
-  std::vector<double> multiplier_;      // of stretches, then of bends
-  std::vector<double> started_;
+  // Of stretches, then of bends, then of twists: kg m, and N s.
+  std::vector<double> multiplier_, damper_;
   std::vector<Vec3> force_;
 };
 

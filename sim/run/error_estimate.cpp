@@ -16,11 +16,16 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kInProportion = 0.1;   // of the motion: differences up to it
 constexpr std::uint64_t kFewSteps = 4;  // from one comparison to the next: so few can be halved
 
+/// All settings of the method, for `world`. Throws what there is to say of wrong ones.
+Settings fitted(std::string_view name, const Settings& settings, const World& world) {
+  make_method(name, settings);
+  return with_defaults(*find_method(name), settings, world);
+}
+
 Companion companion_of(std::string_view name, const Settings& settings) {
-  make_method(name, settings);  // throws what there is to say of them
   const MethodInfo& method = *find_method(name);
   if (!method.companion) return {.none = "does not say how its error depends on its settings"};
-  return method.companion(method, with_defaults(method, settings));
+  return method.companion(method, settings);
 }
 
 /// RMS of the distances of as many points.
@@ -34,15 +39,16 @@ double distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 
 ErrorEstimate::ErrorEstimate(const World& world, std::string_view method, const Settings& settings,
                              const Timeline& timeline)
-    : companion_(companion_of(method, settings)), length_(length_scale(world)) {
+    : companion_(companion_of(method, fitted(method, settings, world))),
+      length_(length_scale(world)) {
   limit_ = companion_.asked > 0 ? companion_.asked : length_ / 100;
   error_ = largest_ = companion_.method ? 0 : std::numeric_limits<double>::quiet_NaN();
   if (!companion_.method) {
     none_ = std::string(method) + " " + std::string(companion_.none);
     return;
   }
-  companion_.method->again = [name = std::string(method), settings] {
-    return companion_of(name, settings).method;
+  companion_.method->again = [name = std::string(method), all = fitted(method, settings, world)] {
+    return companion_of(name, all).method;
   };
   other_.emplace(world, std::move(companion_.method), timeline);
   const World& stepped = std::as_const(*other_).world();

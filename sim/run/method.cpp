@@ -125,6 +125,11 @@ Settings with_defaults(const MethodInfo& method, Settings settings) {
   return settings;
 }
 
+Settings with_defaults(const MethodInfo& method, Settings settings, const World& world) {
+  settings = with_defaults(method, std::move(settings));
+  return method.fit ? method.fit(world, std::move(settings)) : settings;
+}
+
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings) {
   std::string wrong = method_complaint(name);
   if (!wrong.empty()) throw std::invalid_argument(wrong);
@@ -159,15 +164,15 @@ double step_of(const Settings& settings) {
   return value ? *value : 0;
 }
 
-SettingInfo step_setting(bool limited, int sweep) {
+SettingInfo step_setting(std::string_view open, int sweep) {
   SettingInfo info{
       .name = "step",
-      .meaning = limited ? "The time step; zero takes a share of the longest that is stable."
-                         : "The time step; smaller is more accurate and costs in proportion.",
+      .meaning =
+          open.empty() ? "The time step; smaller is more accurate and costs in proportion." : open,
       .unit = "s",
-      .fallback = limited ? 0.0 : 0.001,
+      .fallback = open.empty() ? 0.001 : 0.0,
       .maximum = 1,
-      .above = !limited,
+      .above = open.empty(),
   };
   for (int i = 0; i < sweep; ++i) info.sweep.emplace_back(std::ldexp(1.0 / 60, -i));
   return info;

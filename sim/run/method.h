@@ -163,6 +163,9 @@ struct MethodInfo {
   bool reference = false;
   PaperRole paper_role = PaperRole::none;
   std::vector<MethodForm> forms = {};
+  /// A full set of settings with values for `world` in place of the zeros that leave them open;
+  /// null: zeros stay.
+  Settings (*fit)(const World& world, Settings settings) = nullptr;
   /// The longest step (s) that theory allows while `world` hangs at rest below what holds it, with
   /// a full set of settings; null: there is no such theory.
   double (*longest_step)(const World& world, const Settings& settings) = nullptr;
@@ -217,6 +220,9 @@ std::string complaint(const MethodInfo& method, const Settings& settings);
 /// `settings` with the method's own choice for those that it leaves out.
 Settings with_defaults(const MethodInfo& method, Settings settings);
 
+/// The same with what the method chooses for `world` where they leave it open.
+Settings with_defaults(const MethodInfo& method, Settings settings, const World& world);
+
 /// Makes a method; settings left out take their defaults. Throws std::invalid_argument with the
 /// complaint when a setting is wrong or the name is unknown.
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings);
@@ -237,9 +243,9 @@ const std::string& text(const Settings& settings, std::string_view name);
 double step_of(const Settings& settings);
 
 /// The setting `step` (s) of a method whose steps are all equal; sweeps go through `sweep` values
-/// of it, 1/60 s and each half of the one before. Zero, the default where the method is `limited`
-/// in its step, lets it choose by what limits it.
-SettingInfo step_setting(bool limited, int sweep);
+/// of it, 1/60 s and each half of the one before. `open` says what zero, then the default, takes;
+/// empty: zero is refused.
+SettingInfo step_setting(std::string_view open, int sweep);
 
 /// The most steps that a run may take: so many are hours of the cheapest ones.
 inline constexpr double kMostRunSteps = 1e10;

@@ -222,5 +222,42 @@ TEST(Flag, ThePoleBearsWeightAndDrag) {
   EXPECT_LT(out_of_balance(simulation, 1.01, drag), 0.05 * drag.norm());
 }
 
+// At their own settings; `direct` keeps a millimetre.
+TEST(ScenesTogether, GamesMethodsFollowThem) {
+  struct Case {
+    std::string scene;
+    std::vector<std::string> methods = {"xpbd"};
+  };
+  const std::vector<Case> cases{{"hose_over_edge", {}},
+                                {"cable_drum", {}},
+                                {"net_on_ball", {}},
+                                {"rope_bridge", {}},
+                                {"belt"},
+                                {"clamped_stick"},
+                                {"bungee_floor", {"xpbd", "springs"}},
+                                {"crane_touchdown", {"xpbd", "springs"}},
+                                {"flag", {"xpbd", "springs"}}};
+  for (const Case& each : cases) {
+    const scenes::Scene start = scene(each.scene);
+    for (const char* method : {"xpbd", "springs"})
+      EXPECT_EQ(refusal(*find_method(method), start.world), "") << each.scene;
+    if (each.methods.empty()) continue;
+    constexpr double kTime = 0.3;  // s
+    Simulation exact = scenes::start(start);
+    exact.advance_to(kTime);
+    for (const std::string& method : each.methods) {
+      Simulation games(start.world, make_method(method, {}), start.timeline);
+      games.advance_to(kTime);
+      for (std::size_t c = 0; c < start.world.connectors.size(); ++c) {
+        const Connector& there = exact.world().connectors[c];
+        for (std::size_t p = 0; p < there.particles(); ++p) {
+          EXPECT_LT((games.world().connectors[c].position[p] - there.position[p]).norm(), 0.02)
+              << method << ", " << each.scene << ", particle " << p;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace taut::scenes_together_test

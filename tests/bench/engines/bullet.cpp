@@ -241,7 +241,7 @@ class Bullet : public RodEngine {
 MethodInfo bullet_method() {
   return {.name = "bullet",
           .summary = "Bullet's btMultiBody: joint coordinates by Featherstone's algorithm",
-          .settings = {step_setting(false, 20),
+          .settings = {step_setting({}, 20),
                        {.name = "integrator",
                         .meaning = "Semi-implicit Euler or the classical Runge-Kutta method.",
                         .unit = "",

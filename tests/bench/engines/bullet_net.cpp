@@ -75,7 +75,7 @@ class BulletNet : public NetEngine {
 MethodInfo bullet_net_method() {
   return {.name = "bullet-net",
           .summary = "Bullet's btSoftBody: nodes and links by position-based dynamics",
-          .settings = {step_setting(false, 20),
+          .settings = {step_setting({}, 20),
                        {.name = "iterations",
                         .meaning = "Passes over the links in a step.",
                         .unit = "1",

@@ -191,7 +191,7 @@ class MuJoCo : public RodEngine {
 MethodInfo mujoco_method() {
   return {.name = "mujoco",
           .summary = "MuJoCo: joint coordinates, the composite rigid body algorithm",
-          .settings = {step_setting(false, 20),
+          .settings = {step_setting({}, 20),
                        mujoco_integrator(),
                        {.name = "contact",
                         .meaning = "As soft as it comes, or as stiff as the step lets it be.",

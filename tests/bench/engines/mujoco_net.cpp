@@ -87,7 +87,7 @@ class MuJoCoNet : public NetEngine {
 MethodInfo mujoco_net_method() {
   return {.name = "mujoco-net",
           .summary = "MuJoCo: particles, and tendons that keep their lengths",
-          .settings = {step_setting(false, 20), mujoco_integrator()},
+          .settings = {step_setting({}, 20), mujoco_integrator()},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<MuJoCoNet>(settings);
           },

@@ -58,7 +58,7 @@ OdeWorld make_ode_world(const Settings& settings) {
 }
 
 std::vector<SettingInfo> ode_settings() {
-  return {step_setting(false, 20),
+  return {step_setting({}, 20),
           {.name = "iterations",
            .meaning = "Of QuickStep; zero solves all joints exactly.",
            .unit = "1",

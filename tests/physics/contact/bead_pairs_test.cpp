@@ -194,7 +194,7 @@ TEST_P(BeadsOfNets, ABallComesToRestInANet) {
   touch(world, 0.5);
   world.topology = 0;
   finish(world);
-  const World rest = after(world, 6);
+  const World rest = after(world, 9);
   const double fallen = world.bodies[0].position.y() - rest.bodies[0].position.y();
   EXPECT_LT(fallen, 0.15 + 0.4) << "it fell through";
   EXPECT_LE(depth_in_ball(rest), 1e-9);

@@ -373,11 +373,26 @@ TEST(Winch, LiftsALoadOverASmoothPostByXpbd) {
       EXPECT_NEAR(load.x(), 0.11, 0.006);
     }
   }
-  World rough = over_a_post(false, 0.2);
-  rough.obstacles[0].kinetic_friction = rough.obstacles[0].static_friction = 0.2;
-  EXPECT_EQ(refusal(*find_method("xpbd"), rough),
-            "does not follow winches (connector rope) together with friction (obstacle post): rope "
-            "of a winch flows past the particles that touch");
+}
+
+// Rope that slides over a rough post is pulled by exp(mu pi / 2) times the load, and stretches so.
+TEST(Winch, RopeThatStretchesSlidesOverARoughPostByXpbdAndSprings) {
+  World start = over_a_post(false, -0.2);
+  Connector& rope = start.connectors[0];
+  rope.sections.assign(rope.links(), {.axial_stiffness = 200, .axial_damping = 2});
+  add_winches(start, rope, paying({{0, 0}, {1, -0.2}}), nullptr);
+  finish(start);
+  const auto height = [&](std::string_view method, double friction, const Settings& settings) {
+    World world = start;
+    world.obstacles[0].kinetic_friction = world.obstacles[0].static_friction = friction;
+    Simulation simulation(world, make_method(method, settings));
+    simulation.advance_to(0.7);
+    return simulation.world().connectors[0].position.back().y();
+  };
+  const double rough = height("direct", 0.3, {{"tolerance", 1e-4}});
+  EXPECT_LT(rough, height("direct", 0, {{"tolerance", 1e-4}}) - 0.005);
+  EXPECT_NEAR(height("xpbd", 0.3, {{"step", 1e-5}}), rough, 2e-3);
+  EXPECT_NEAR(height("springs", 0.3, {}), rough, 3e-4);
 }
 
 TEST(Winch, WorldsSayWhatIsWrongWithTheirs) {
