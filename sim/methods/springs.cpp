@@ -71,11 +71,16 @@ std::vector<double> point_mobility(const Mechanism& mechanism) {
   return mobility;
 }
 
+/// N/m, where the settings leave it open.
+double own_stiffness(const World& world) {
+  constexpr double kLeastStiffness = 1e4;
+  constexpr double kStretched = 0.01;  // of a link at rest
+  return std::max(kLeastStiffness, strongest_pull(world) / kStretched);
+}
+
 Settings with_own_stiffness(const World& world, Settings settings) {
-  constexpr double kLeastStiffness = 1e4;  // N/m
-  constexpr double kStretched = 0.01;      // of a link at rest
   double& stiffness = std::get<double>(settings.find("stiffness")->second);
-  if (stiffness == 0) stiffness = std::max(kLeastStiffness, strongest_pull(world) / kStretched);
+  if (stiffness == 0) stiffness = own_stiffness(world);
   return settings;
 }
 
@@ -83,7 +88,7 @@ class Springs : public SteppedMethod {
  public:
   explicit Springs(const Settings& settings)
       : SteppedMethod("springs", number(settings, "step")),
-        settings_(settings),
+        given_(number(settings, "stiffness")),
         damping_(number(settings, "damping")),
         integrator_(integrator_named(text(settings, "integrator"))),
         limit_(stability_limit(integrator_, damping_)),
@@ -92,7 +97,7 @@ class Springs : public SteppedMethod {
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
     if (fitted_ != world.topology) {
-      stiffness_ = number(with_own_stiffness(world, settings_), "stiffness");
+      stiffness_ = given_ > 0 ? given_ : own_stiffness(world);
       fitted_ = world.topology;
     }
     stepper_.prepare(mechanism);
@@ -138,7 +143,7 @@ class Springs : public SteppedMethod {
     if (bodies_.any()) bodies_.stop(mechanism, time + dt, dt, state);
   }
 
-  Settings settings_;
+  double given_;                         // N/m; zero: its own
   std::optional<std::uint64_t> fitted_;  // the topology that has this stiffness
   double stiffness_ = 0, damping_;       // N/m, 1
   double damper_ = 0;                    // N s/m

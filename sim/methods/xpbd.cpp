@@ -30,24 +30,22 @@ Map vector(double* at) {
 /// next link's turn moves the particle between them: so much, over m, a link stays too long. More
 /// passes share it. A bend of moment M moves it by M dt^2 / (m l), and such turns add up along a
 /// rod.
-double stiff_step(const World& world, const Settings& settings) {
+double stiff_step(const World& world, double iterations) {
   constexpr double kStretched = 0.01;  // of a link; and radians, of a rod
   const double most = std::max({heaviest_link(world), tightest_link(world), heaviest_bend(world)});
-  return std::sqrt(kStretched * number(settings, "iterations") / most);
+  return std::sqrt(kStretched * iterations / most);
 }
 
-Settings with_own_step(const World& world, Settings settings) {
-  constexpr double kOpenStep = 1e-3;  // s
-  double& step = std::get<double>(settings.find("step")->second);
-  if (step == 0) step = std::min(kOpenStep, stiff_step(world, settings));
-  return settings;
+/// The step (s) where the settings leave it open.
+double own_step(const World& world, double iterations) {
+  constexpr double kOpenStep = 1e-3;
+  return std::min(kOpenStep, stiff_step(world, iterations));
 }
 
 class Xpbd final : public SteppedMethod {
  public:
   explicit Xpbd(const Settings& settings)
       : SteppedMethod(kXpbd, number(settings, "step")),
-        settings_(settings),
         compliance_(number(settings, "compliance")),
         iterations_(static_cast<int>(number(settings, "iterations"))) {}
 
@@ -65,7 +63,6 @@ class Xpbd final : public SteppedMethod {
   void flow(Mechanism& mechanism, double time, double dt, std::vector<double>& state);
   void pass(const Mechanism& mechanism, double softness, double* state);
 
-  Settings settings_;
   double compliance_;  // m/N
   int iterations_;
   std::optional<std::uint64_t> fitted_;       // the topology that has
@@ -103,7 +100,7 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   pass_cycles_ += mechanism.material().cycles();
   step_cycles_ = 150 + 20 * count(mechanism.points()) + 700 * count(mechanism.bodies().size());
   if (fitted_ != world.topology) {
-    own_step_ = number(with_own_step(world, settings_), "step");
+    own_step_ = own_step(world, iterations_);
     fitted_ = world.topology;
   }
   return own_step_;
@@ -244,8 +241,16 @@ MethodInfo xpbd_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Xpbd>(settings);
       },
-      .fit = with_own_step,
-      .longest_step = stiff_step,
+      .fit =
+          [](const World& world, Settings settings) {
+            double& step = std::get<double>(settings.find("step")->second);
+            if (step == 0) step = own_step(world, number(settings, "iterations"));
+            return settings;
+          },
+      .longest_step =
+          [](const World& world, const Settings& settings) {
+            return stiff_step(world, number(settings, "iterations"));
+          },
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .abilities = {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
                         Features{Feature::span},
