@@ -20,6 +20,21 @@ constexpr double kShortest = 1e-12;  // s: a step below it says that the motion 
 constexpr int kMostSteps = 3000;     // steps in so short a time: rounding makes them, and no motion
 constexpr double kBriefTime = 5e-4;  // s
 constexpr double kAtOnce = 1e-4;     // s, in which rope that runs out has done so
+constexpr double kTolerance = 1e5;   // of `direct` where it stands in, over the local error
+
+/// The worlds that this file's solvers follow by themselves.
+const Abilities& own_abilities() {
+  static const Abilities own{
+      Features::all() - Feature::joint_in_flow - kConnectorContact -
+          Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body},
+      {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
+       {kReelFeatures, kContactFeatures | Feature::strings},
+       {kReelFeatures,
+        kJointFeatures | kUnlikeReels | Feature::stretch,
+        {},
+        Apart::Within::connector}}};
+  return own;
+}
 
 /// Whether anything holds links at two places.
 bool may_be_at_full_length(const World& world) {
@@ -31,7 +46,8 @@ bool may_be_at_full_length(const World& world) {
 class Multipliers final : public Method {
  public:
   explicit Multipliers(const Settings& settings)
-      : stepper_(reference::odeint::make_controlled(number(settings, "local_error"),
+      : local_error_(number(settings, "local_error")),
+        stepper_(reference::odeint::make_controlled(number(settings, "local_error"),
                                                     number(settings, "local_error"),
                                                     reference::Explicit())),
         among_obstacles_(make_event_driven(number(settings, "local_error"))) {}
@@ -39,6 +55,8 @@ class Multipliers final : public Method {
   void advance(World& world, double until) override;
 
  private:
+  void advance_own(World& world, double until);
+  void advance_by_direct(World& world, double until);
   void prepare(const World& world);
   void step(double& time, double until);
   void slope(const reference::State& state, reference::State& derivative, double time);
@@ -46,6 +64,7 @@ class Multipliers final : public Method {
   bool ends_before_change(double from, double& time);
   [[noreturn]] void give_up(double time, std::size_t row, const char* what) const;
 
+  double local_error_;
   reference::Stepper stepper_;
   Mechanism mechanism_;
   TensionSystem system_;
@@ -61,6 +80,7 @@ class Multipliers final : public Method {
   int short_ = 0;                          // how many there were since
   reference::State state_, before_, scratch_, right_, tension_;
   std::unique_ptr<Method> among_obstacles_;
+  std::unique_ptr<Method> direct_;  // stands in from then on
 };
 
 void Multipliers::prepare(const World& world) {
@@ -96,8 +116,38 @@ void Multipliers::prepare(const World& world) {
 }
 
 void Multipliers::advance(World& world, double until) {
-  if (required_ != world.topology) require(kTruth, world);
+  if (required_ != world.topology) {
+    require(kTruth, world);
+    if (!direct_ && find_refusal(own_abilities(), world)) {
+      direct_ = make_method("direct", {{"tolerance", kTolerance * local_error_}});
+    }
+  }
   required_ = world.topology;
+  if (!direct_) {
+    try {
+      return advance_own(world, until);
+    } catch (const Diverged&) {  // `world` is where it was
+      direct_ = make_method("direct", {{"tolerance", kTolerance * local_error_}});
+    }
+  }
+  advance_by_direct(world, until);
+}
+
+/// Where motion is no matter of these solvers, or goes on where they give up: a tight tolerance of
+/// the implicit step, which shares no code with them but the mechanism.
+void Multipliers::advance_by_direct(World& world, double until) {
+  const Counters before = direct_->counters();
+  try {
+    direct_->advance(world, until);
+  } catch (const Diverged& end) {
+    throw Diverged(std::string(kTruth), end.time, end.step, end.connector, end.link, end.reason);
+  }
+  counters_ += direct_->counters();
+  counters_ -= before;
+  for (Event& event : direct_->take_events()) events_.push_back(event);
+}
+
+void Multipliers::advance_own(World& world, double until) {
   if (has_contact(world) || has_strings(world)) {
     among_obstacles_->advance(world, until);
     counters_ = among_obstacles_->counters();
@@ -235,14 +285,7 @@ MethodInfo truth_method() {
             return std::make_unique<Multipliers>(settings);
           },
           .reference = true,
-          .abilities = {Features::all() - Feature::joint_in_flow - kConnectorContact -
-                            Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body},
-                        {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
-                         {kReelFeatures, kContactFeatures | Feature::strings},
-                         {kReelFeatures,
-                          kJointFeatures | kUnlikeReels | Feature::stretch,
-                          {},
-                          Apart::Within::connector}}},
+          .abilities = find_method("direct")->abilities,
           .companion =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");

@@ -37,8 +37,9 @@ inline TruthOptions quick_truth(double scored_error, double cpu_cap) {
 /// A converged solution of the discrete model by two independent solvers (multipliers with
 /// projection under Runge-Kutta-Fehlberg 7(8); joint coordinates under Simbody's
 /// Runge-Kutta-Merson; among obstacles the first from event to event, and the time stepping of
-/// `direct`; with materials or joints the schemes of `direct` for those) and once more from a
-/// nudged start. `times` (s) rise from the world's own on. Where one of the two comparisons ends
+/// `direct`, whose step is halved until it agrees; with materials or joints the schemes of `direct`
+/// for those; where only `direct` follows the world, that at a tight tolerance) and once more from
+/// a nudged start. `times` (s) rise from the world's own on. Where one of the two comparisons ends
 /// early the horizon does too; where the first solver does, the frames do. Calls `tick`, where
 /// there is one, after each frame of each solution; it may throw. Throws Diverged where the first
 /// solver gets nowhere.

@@ -370,11 +370,11 @@ TEST(Features, PairsKeepTheTolerance) {
 
 TEST(Features, AMethodThatIsAskedAloneNamesWhereTheyAre) {
   const Maker made({Feature::bending, Feature::obstacle});
-  EXPECT_EQ(refusal(*find_method("truth"), made.world()),
-            "does not follow bending (connector rope) together with obstacles (obstacle floor)");
   EXPECT_EQ(refusal(*find_method("impulse"), made.world()),
             "does not follow bending (connector rope)");
-  EXPECT_EQ(methods_that_follow(made.world()), "springs, xpbd, direct");
+  EXPECT_EQ(methods_that_follow(made.world()), "springs, xpbd, direct, truth");
+  EXPECT_EQ(refusal(*find_method("xpbd"), Maker({Feature::winch, Feature::taper}).world()),
+            "does not follow winches (connector rope) together with taper (connector rope)");
 }
 
 // Rope that flows through a winch may not stretch yet; another rope may.

@@ -73,6 +73,7 @@ Complementarity complementarity(double p, double w, double kappa) {
 }  // namespace
 
 void ImplicitStep::rebuild(const World& world) {
+  settled_ = true;
   mechanism_.rebuild(world);
   touches_.rebuild(world, mechanism_);
   const std::size_t points = mechanism_.points(), bodies = mechanism_.bodies().size();
@@ -612,10 +613,11 @@ void ImplicitStep::assemble_links(const Problem& problem, double kappa) {
     const double scaled = column_scale_[at];
     if (problem.law == Problem::Law::projection) {
       const bool held = on_[k] != 0;
-      out = held ? direction.dot(rate_of_way) + violation_[k] : tension / scaled;
+      const double yields = link.soft ? yields_ / stretches[link.row].stiffness : 0;  // 1/kg
+      out = held ? direction.dot(rate_of_way) + violation_[k] - yields * tension : tension / scaled;
       by_rate_[k] = held ? 1 : 0;
       row(at, gap, by_rate_[k] * direction);
-      put(at, at, held ? -kProximal : 1.0);
+      put(at, at, held ? -kProximal - yields * scaled : 1.0);
       if (!held) tension = 0;
     } else if (link.soft && !problem.forces) {  // no impulse comes from what stretches
       out = tension / scaled;
@@ -1241,9 +1243,10 @@ bool ImplicitStep::solve(const Problem& problem) {
 /// (m) stay where they are if that has no solution, as where a chain at its full length holds a
 /// bead over a floor.
 bool ImplicitStep::project(StepState& to, double touching) {
-  const std::vector<double> start = to.state;
+  const std::vector<double> start = to.state, tension = to.tension;
   if (!project_places(to, 0)) {
     to.state = start;
+    to.tension = tension;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       const Meeting at = touches_.meet(mechanism_, contacts_[c].candidate, to.state.data());
       law_[c] = at.gap < -touching ? kAtSurface : kFree;
@@ -1257,6 +1260,7 @@ bool ImplicitStep::project(StepState& to, double touching) {
 /// Displacements, or changes of velocities, start from zero at the places of a state.
 void ImplicitStep::start_projection(const StepState& at, const Problem& problem) {
   start_at(at);
+  yields_ = 0;
   std::ranges::fill(unknown_, 0.0);
   std::ranges::fill(wanted_, 0.0);
   place_unknowns(problem);
@@ -1287,13 +1291,16 @@ double ImplicitStep::held_rate(const Link& link) const {
   return apart.isZero(0) ? 0 : direction(link).dot(apart);
 }
 
-/// Also holds contacts at their surfaces that would be deeper inside than `allowed` (m).
+/// Also holds contacts at their surfaces that would be deeper inside than `allowed` (m). Tensions
+/// of links that stretch change as they would within a stage: between what grips, a chain of such
+/// links that is too long by a rounding would else buckle.
 bool ImplicitStep::project_places(StepState& to, double allowed) {
   Problem problem{.law = Problem::Law::projection, .time = to.time};
   const auto& stretches = mechanism_.material().stretches();
   bool placed = false;
   for (int i = 0; i < 8 && !placed; ++i) {
     start_projection(to, problem);
+    yields_ = settled_ ? 0 : stage_inertia_ * stage_inertia_;
     double worst = 0;
     bool same = true;  // conditions, as before
     for (std::size_t k = 0; k < links_.size(); ++k) {
@@ -1341,6 +1348,10 @@ bool ImplicitStep::project_places(StepState& to, double allowed) {
     }
     for (std::size_t p = 0; p < pulley_.size(); ++p) {
       to.state[mechanism_.passed(p)] += unknown_[pulley_[p]];
+    }
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+      if (!links_[k].soft || on_[k] == 0) continue;
+      to.tension[k] += yields_ * unknown_[first_link_ + k];
     }
     placed = worst < 1e-7 * shortest_ && worst * worst / shortest_ < exact_ && i > 0;
   }
@@ -2145,6 +2156,7 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
   Problem problem{
       .inertia = 1 / inner, .advance = inner, .forces = true, .time = from.time + inner};
   stage_inertia_ = problem.inertia;
+  settled_ = false;
   touches_.place(*world_, problem.time);
   guess(inner, from.rate);
   if (!solve(problem)) return Result::failed;

@@ -309,6 +309,8 @@ class ImplicitStep {
   std::vector<Twisted> twisted_;
   std::vector<Vec3> slope_;
   double stage_inertia_ = 1;                // of the last step's stages
+  bool settled_ = true;                     // there was no step yet
+  double yields_ = 0;                       // 1/s^2: see project_places()
   std::vector<double> column_scale_stage_;  // of its last one
   std::vector<double> moved_, sped_;        // of distance(): places and velocities, by unknowns
 };

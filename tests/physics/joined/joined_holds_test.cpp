@@ -112,7 +112,7 @@ TEST(JoinedHolds, BeadsOfJointsTouch) {
   floor.place.position = Vec3(0, -0.8, 0);
   world.obstacles = {floor};
   finish(world);
-  for (const char* method : {"springs", "xpbd", "direct"}) {
+  for (const char* method : {"springs", "xpbd", "direct", "truth"}) {
     const World end = after(world, 1.5, method, {});
     double lowest = 0;
     for (const Connector& connector : end.connectors) {
@@ -121,7 +121,6 @@ TEST(JoinedHolds, BeadsOfJointsTouch) {
     EXPECT_NEAR(lowest, -0.79, 1e-9) << method;
     EXPECT_EQ(open(end), 0) << method;
   }
-  EXPECT_THROW(after(world, 0.1, "truth", {}), Diverged);
 }
 
 TEST(JoinedHolds, WorldsThatCannotBeAreRefused) {
