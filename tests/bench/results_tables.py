@@ -167,30 +167,49 @@ def swing(work):
     return first_table(text)
 
 
-@result("scenes", STUDY)
-def scenes(work):
-    """the cheapest method at shares of the length, on scenes of other kinds"""
-    shares = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
+def cheapest(work, files, shares, methods, options):
+    """Rows of the cheapest method at shares of each scene's length; `options` by file."""
     rows = [["scene"] + [f"{100 * share:g}%" for share in shares]]
-    files = [f"scenes/{name}.toml" for name in ("bench_swing", "bench_stick", "bench_heavy", "hard/heavy_load",
-                                                "hard/falling_chain", "hard/whip")] + ["tests/bench/upright.toml"]
     for file in files:
         told = json.loads(work.run(f"taut check {file} --json"))
-        length = next(iter(told["connectors"].values()))["length_m"]
+        length = max(one["length_m"] for one in told["connectors"].values())
         errors = ",".join(f"{length * share:.6g}" for share in shares)
-        found = cells(work.run(f"taut work-precision {file} --methods direct,impulse,dynamic-constraints,xpbd "
-                               f"--budget 12 --errors {errors} --markdown"))
+        found = cells(work.run(f"taut work-precision {file} --methods {methods} {options(file)} --errors {errors} "
+                               "--markdown"))
         row = [file.removeprefix("scenes/").removesuffix(".toml")]
         for i in range(1, len(shares) + 1):
             costs = sorted((float(one[i].split()[0]), one[0]) for one in found[1:] if "x)" in one[i])
             direct = [cost for cost, name in costs if name == "direct"]
             other = direct if costs and costs[0][1] != "direct" else [cost for cost, _ in costs[1:2]]
-            row.append(f"{costs[0][1]} {costs[0][0]:g}" + (f" ({other[0] / costs[0][0]:.3g}x)" if other else "")
+            row.append(f"{costs[0][1]} {costs[0][0]:.3g}" + (f" ({other[0] / costs[0][0]:.3g}x)" if other else "")
                        if costs else "")
         rows.append(row)
-    work.commands = [f"taut work-precision {' '.join(files)} --methods direct,impulse,dynamic-constraints,xpbd "
-                     "--budget 12 --errors ..."]
     return markdown(rows, range(1, len(rows[0])))
+
+
+@result("scenes", STUDY)
+def scenes(work):
+    """the cheapest method at shares of the length, on scenes of other kinds"""
+    files = [f"scenes/{name}.toml" for name in ("bench_swing", "bench_stick", "bench_heavy", "hard/heavy_load",
+                                                "hard/falling_chain", "hard/whip")] + ["tests/bench/upright.toml"]
+    methods = "direct,impulse,dynamic-constraints,xpbd"
+    table = cheapest(work, files, [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], methods, lambda file: "--budget 12")
+    work.commands = [f"taut work-precision {' '.join(files)} --methods {methods} --budget 12 --errors ..."]
+    return table
+
+
+@result("together", STUDY)
+def together(work):
+    """the cheapest method at shares of the length, where features stand together"""
+    files = sorted(str(path.relative_to(work.source)) for path in (work.source / "scenes/together").glob("*.toml"))
+    files.append("scenes/contact/capstan.toml")
+    methods = "direct,springs,xpbd"
+    table = cheapest(work, files, [1e-1, 1e-2, 1e-3, 1e-4], methods,
+                     lambda file: "--budget 40 --quick" + ("" if "[[stage.shots]]" in (work.source / file).read_text()
+                                                           else " --set duration=0.5"))
+    work.commands = [f"taut work-precision {' '.join(files)} --methods {methods} --budget 40 --quick "
+                     "--set duration=0.5 --errors ..."]
+    return table
 
 
 @result("promise", DIRECT)

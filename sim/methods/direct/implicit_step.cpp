@@ -104,6 +104,7 @@ void ImplicitStep::rebuild(const World& world) {
   for (std::uint32_t& unknown : pulley_) unknown = next++;
   pulley_law_.assign(pulley_.size(), {});
   slip_before_.assign(pulley_.size(), Mechanism::Slip::free);
+  slid_.assign(pulley_.size(), 0.0);
   pulley_mass_.assign(pulley_.size(), 1.0);
   own_acceleration_.assign(points, Vec3::Zero());
   first_link_ = next;
@@ -866,13 +867,14 @@ ImplicitStep::PulleyLaw ImplicitStep::find_law(const Problem& problem, std::size
   const double forwards = excess * std::max(before, 0.0), back = excess * std::max(behind, 0.0);
   const double asked = stiff * speed - balance;
   if (before <= 0 && behind <= 0) return {};
+  Slip now = asked > forwards ? Slip::forwards : asked < -back ? Slip::backwards : Slip::stick;
+  // Rope that slides as a step begins slides until it rests, which ends the step.
+  const bool slides = problem.forces && std::abs(slid_[p]) > lowest_slip_;
+  if (slides) now = slid_[p] > 0 ? Slip::forwards : Slip::backwards;
   // Newton's correction that makes rope slide the other way has passed where it stays.
-  const Slip now = asked > forwards ? Slip::forwards
-                   : asked < -back  ? Slip::backwards
-                                    : Slip::stick;
   const bool turns = (now == Slip::forwards && slip_before_[p] == Slip::backwards) ||
                      (now == Slip::backwards && slip_before_[p] == Slip::forwards);
-  if (turns || now == Slip::stick) {
+  if ((turns && !slides) || now == Slip::stick) {
     value = stiff * speed;
     return {Slip::stick, 0, 0};
   }
@@ -2073,6 +2075,12 @@ double ImplicitStep::first_arrival(const StepState& from, const StepState& to, d
     if (was.dot(now) < kSameSide) first = std::min(first, h / 2);  // it may have passed through
   }
   if (!reverses.empty()) reversing_ = std::move(reverses);
+  for (std::size_t p = 0; h >= kShortestSlide && p < pulley_.size(); ++p) {
+    if (!mechanism_.has_friction(p) || std::abs(slid_[p]) <= lowest_slip_) continue;
+    const double ahead = to.state[mechanism_.speed(p)];
+    if (ahead * slid_[p] < 0 && std::abs(ahead) > lowest_slip_)
+      first = std::min(first, h * slid_[p] / (slid_[p] - ahead));
+  }
   for (std::size_t k = 0; k < links_.size(); ++k) {
     if (!links_[k].pulls || on_[k] != 0) continue;
     const auto apart = [&](const StepState& at, std::size_t (Mechanism::*of)(std::size_t) const) {
@@ -2136,6 +2144,7 @@ ImplicitStep::Result ImplicitStep::step(const StepState& from, double h, double 
                                         bool stops, StepState& to) {
   contacts_ = from.contacts;
   if (h < kShortestSlide) reversing_.clear();
+  for (std::size_t p = 0; p < pulley_.size(); ++p) slid_[p] = from.state[mechanism_.speed(p)];
   measure_speed(from);
   lay_out(from);
   const double inner = kGamma * h, outer = (1 - kGamma) * h;

@@ -265,6 +265,7 @@ class ImplicitStep {
   std::vector<LinkAtPulley> links_at_pulleys_;  // by pulleys
   std::vector<PulleyLaw> pulley_law_;           // of the last assembly
   std::vector<Mechanism::Slip> slip_before_;    // of Newton's last correction
+  std::vector<double> slid_;                    // m/s, per pulley: as the step began
   std::vector<double> pulley_mass_;     // kg, of that assembly: what a pulley's row is scaled by
   std::vector<Vec3> own_acceleration_;  // per point, m/s^2: without changes of velocities
   std::vector<double> change_;          // of the unknown velocities, per second
