@@ -219,7 +219,7 @@ TEST(LinkTruth, TwoSolversAgree) {
         EXPECT_LE(penetration_of_links(truth.world()), 1e-11);
         EXPECT_LT(stretch_max(truth.world()), 1e-11);
         double first = 0, last = 0;
-        for (const double step : {4e-4, 2e-4, 1e-4}) {
+        for (const double step : {4e-4, 1e-4}) {
           Simulation other(world, make_method("direct", {{"step", step}}));
           other.advance_to(kUntil);
           last = apart(truth.world(), other.world());
