@@ -61,6 +61,8 @@ std::string forces_rows(const World& world, const Forces& forces, std::span<cons
   }
   for (const Forces::Hold& at : forces.holds) {
     add("hold", named(world, at), {holder(world, at), ""}, at.place, at.force, at.force.norm());
+    if (at.moment.isZero(0)) continue;
+    add("moment", named(world, at), {holder(world, at), ""}, at.place, at.moment, at.moment.norm());
   }
   for (const Forces::Contact& at : forces.contacts) {
     add("contact", named(world, at.one), named(world, at.other), at.place, at.force,

@@ -9,10 +9,10 @@
 
 namespace taut::exporting {
 
-/// t (s), what (tension, hold, contact, or an event: taut, impulse, slack), of (the connector or
-/// body), part (a particle: 3, a link: 3-4, a span: 0), with (what holds or touches it), with_part,
-/// x y z (m), fx fy fz (N, on `of`; of a tension: on the first particle of its link), size (N;
-/// of an impulse N s).
+/// t (s), what (tension, hold, moment, contact, or an event: taut, impulse, slack), of (the
+/// connector or body), part (a particle: 3, a link: 3-4, a span: 0), with (what holds or touches
+/// it), with_part, x y z (m), fx fy fz (N, on `of`; of a tension: on the first particle of its
+/// link; of a clamp's moment N m), size (N; of a moment N m, of an impulse N s).
 std::string forces_header();
 
 /// The rows of a state and of the events before it.

@@ -188,7 +188,7 @@ py::dict forces(const SimulationObject& object) {
   for (const Forces::Hold& at : found.holds) {
     holds.append(py::dict("connector"_a = world.connectors[at.connector].name,
                           "particle"_a = at.particle, "place"_a = array_of(at.place),
-                          "force"_a = array_of(at.force)));
+                          "force"_a = array_of(at.force), "moment"_a = array_of(at.moment)));
   }
   for (const Forces::Contact& at : found.contacts) {
     contacts.append(py::dict("of"_a = cells(named(world, at.one)),

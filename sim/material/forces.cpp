@@ -345,6 +345,31 @@ void MaterialForces::add_bends(const double* positions, const double* velocities
   }
 }
 
+std::vector<MaterialForces::ClampMoment> MaterialForces::clamp_moments(
+    const double* positions, const double* velocities) const {
+  std::vector<ClampMoment> made;
+  for (const Clamp& clamp : clamps_) made.push_back({clamp.connector, clamp.hold});
+  const auto add = [&](std::uint32_t clamp, const Vec3& by_direction, double about) {
+    const Vec3& direction = clamps_[clamp].motion.direction;
+    made[clamp].moment += direction.cross(by_direction) + about * direction;
+  };
+  Vec3 by_e0, by_e1;
+  for (const BendElement& bend : bends_) {
+    if (bend.clamp == BendElement::kNone) continue;
+    slope(bend, positions, velocities, by_e0, by_e1);
+    add(bend.clamp, bend.clamped_before() ? by_e0 : by_e1, 0);
+  }
+  for (const TwistElement& rod : twists_) {
+    if (rod.closed) continue;
+    double moment = rod.stiffness * twist(rod, positions);
+    if (rod.damping > 0) moment += rod.damping * twist_rate(rod, positions, velocities);
+    const Vec3 &from = clamps_[rod.from].motion.direction, &to = clamps_[rod.to].motion.direction;
+    add(rod.from, moment * Carry(from, link_of(rod, 0, positions)).slope(), -moment);
+    add(rod.to, moment * Carry(link_of(rod, rod.links - 1, positions), to).slope(), moment);
+  }
+  return made;
+}
+
 Vec3 MaterialForces::drag(const DragElement& link, const double* positions,
                           const double* velocities) const {
   const Vec3 edge = point(positions, link.b) - point(positions, link.a);

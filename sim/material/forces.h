@@ -138,6 +138,14 @@ class MaterialForces {
   void add_twists(const double* positions, const double* velocities,
                   std::vector<Vec3>& force) const;
 
+  /// The moment (N m) of a clamp on its rope, by bending and twist.
+  struct ClampMoment {
+    std::size_t connector = 0, hold = 0;  // the index of the hold on the connector
+    Vec3 moment = Vec3::Zero();
+  };
+  /// All clamps, connector by connector.
+  std::vector<ClampMoment> clamp_moments(const double* positions, const double* velocities) const;
+
   /// The twist (rad) of a connector with its clamps where they are placed, less than half a turn
   /// from what follow() saw last; and its rate (rad/s).
   double twist(const TwistElement& rod, const double* positions) const;

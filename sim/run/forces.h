@@ -23,8 +23,9 @@ struct Forces {
 
   struct Hold {
     std::size_t connector = 0, particle = 0;
-    Vec3 place = Vec3::Zero();  // m
-    Vec3 force = Vec3::Zero();  // on the particle, of whatever holds it
+    Vec3 place = Vec3::Zero();   // m
+    Vec3 force = Vec3::Zero();   // on the particle, of whatever holds it
+    Vec3 moment = Vec3::Zero();  // N m, on the connector, where it is clamped
   };
   std::vector<Hold> holds = {};  // connector by connector
 
@@ -48,7 +49,7 @@ struct Forces {
 /// about a millionth where nothing slides. Rigid links count as long as they are, and velocities
 /// that would change their lengths as the nearest that do not. Surfaces nearer than 1e-5 of the
 /// longest connector touch. Rigid links and surfaces that share a load in more than one way, as a
-/// table on four legs, share it evenly. Forces of impacts and moments of clamps are left out.
+/// table on four legs, share it evenly. Forces of impacts are left out.
 /// Massless spans are links that only pull. Throws Diverged where none are found that are in
 /// balance with weight and inertia to a ten-thousandth, as where a method has left things deep in
 /// each other, or masses are 1e12 times as large as others. Cost: a few steps of the method

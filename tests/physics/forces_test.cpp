@@ -133,6 +133,45 @@ TEST(Forces, OfStretchedLinksAreThoseOfTheirLengths) {
   EXPECT_NEAR(forces.links[0].tension, weight, 1e-6 * weight);
 }
 
+// A clamp bears the moments of all weights about it. At rest, or nearly: inertia counts as weight.
+TEST(Forces, OfAClampBearMomentsOfWeights) {
+  Connector rod = straight_connector("rod", 1, 0.1, 21, Vec3::Zero(), Vec3::UnitX());
+  rod.sections.assign(rod.links(), {.bending_stiffness = 2, .bending_damping = 0.2});
+  rod.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  rod.holds[0].clamp = Vec3::UnitX();
+  World world;
+  world.connectors = {rod};
+  finish(world);
+  const World rest = run(world, 4, 1e-6);
+  const Connector& at = rest.connectors[0];
+  Vec3 moments = Vec3::Zero();
+  for (std::size_t i = 0; i < at.particles(); ++i)
+    moments += at.particle_mass[i] * at.position[i].cross(rest.gravity);
+  const Forces forces = forces_of(rest);
+  ASSERT_EQ(forces.holds.size(), 1u);
+  EXPECT_NEAR(moments.z(), -0.1 * kGravity / 2, 0.02);
+  EXPECT_LT((forces.holds[0].moment + moments).norm(), 1e-3 * moments.norm());
+}
+
+// A rod that is twisted by an angle between two clamps has the moment GJ angle / L at both.
+TEST(Forces, OfClampsTwistARod) {
+  constexpr double kAngle = 0.8, kStiffness = 0.3;
+  Connector rod = straight_connector("rod", 0.5, 0.1, 11, Vec3::Zero(), Vec3::UnitX());
+  rod.sections.assign(rod.links(), {.bending_stiffness = 1, .twisting_stiffness = kStiffness});
+  for (Section& section : rod.sections) section.rest_twist = -kAngle / 0.5;
+  rod.holds = {{0, worlds::fixed_at(Vec3::Zero())}, {10, worlds::fixed_at(rod.position.back())}};
+  for (Hold& hold : rod.holds) hold.clamp = Vec3::UnitX();
+  World world;
+  world.gravity.setZero();
+  world.connectors = {rod};
+  finish(world);
+  const Forces forces = forces_of(world);
+  ASSERT_EQ(forces.holds.size(), 2u);
+  const Vec3 moment = kStiffness * kAngle / 0.5 * Vec3::UnitX();
+  EXPECT_LT((forces.holds[0].moment + moment).norm(), 1e-9);
+  EXPECT_LT((forces.holds[1].moment - moment).norm(), 1e-9);
+}
+
 // A body on a hinge, which is a link without a length: three conditions in one.
 TEST(Forces, OfAHingeCarryTheBody) {
   World world;

@@ -230,6 +230,14 @@ class Finder {
       }
       first += world_.connectors[c].particles();
     }
+    for (const auto& clamp :
+         mechanism.material().clamp_moments(from_.state.data(), velocity(0).data())) {
+      const std::size_t particle = world_.connectors[clamp.connector].holds[clamp.hold].particle;
+      const auto held = std::ranges::find_if(made.holds, [&](const Forces::Hold& hold) {
+        return hold.connector == clamp.connector && hold.particle == particle;
+      });
+      held->moment = clamp.moment;
+    }
   }
 
   const World& world_;
