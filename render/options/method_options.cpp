@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "render/options/scene_options.h"
+#include "render/options/settings_help.h"
 #include "render/program/command.h"
 #include "scenes/format/scene_keys.h"
 #include "scenes/load/load_scene.h"
@@ -51,8 +52,8 @@ void add_method_options(program::Command& command, MethodOptions& options) {
   const program::Option set =
       command
           .add_option("--set", options.set,
-                      "A setting of the method, as in stiffness=5000, or a value in place of the "
-                      "scene's, as in connectors.rope.length=0.5; may be repeated")
+                      "A setting of the method (listed below), as in stiffness=5000, or a value in "
+                      "place of the scene's, as in connectors.rope.length=0.5; may be repeated")
           .one_value_each()
           .type_name("KEY=VALUE");
   command
@@ -62,6 +63,7 @@ void add_method_options(program::Command& command, MethodOptions& options) {
       .excludes(step)
       .excludes(tolerance)
       .excludes(set);
+  command.add_help(settings_help());
 }
 
 scenes::Scene load_chosen(const std::filesystem::path& file, bool with_stage,

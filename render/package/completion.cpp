@@ -76,6 +76,7 @@ _taut() {
          R"(      esac ;;
   esac
   mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+  if [[ ${COMPREPLY[0]} == *= ]]; then compopt -o nospace 2> /dev/null; fi
 }
 complete -o default -F _taut taut
 )";

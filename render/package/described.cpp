@@ -1,13 +1,16 @@
 #include "render/package/described.h"
 
+#include <algorithm>
+
 #include "render/program/help.h"
 #include "sim/run/method.h"
 
 namespace taut::package {
 namespace {
 
-/// The words of "TEXT:{auto,egl,osmesa}"; of options that are named after methods, their names.
-std::vector<std::string> choices_of(const CLI::Option& option) {
+/// The words of "TEXT:{auto,egl,osmesa}"; of --method the methods, and of --set beside it their
+/// settings.
+std::vector<std::string> choices_of(const CLI::App& app, const CLI::Option& option) {
   const std::string type = option.get_type_name();
   std::vector<std::string> words;
   const std::size_t open = type.find('{'), close = type.find('}', open);
@@ -16,16 +19,23 @@ std::vector<std::string> choices_of(const CLI::Option& option) {
     for (std::string& word : CLI::detail::split(list, ',')) words.push_back(word);
   } else if (option.check_lname("method")) {
     for (const MethodInfo& method : all_methods()) words.emplace_back(method.name);
+  } else if (option.check_lname("set") && app.get_option_no_throw("--method")) {
+    for (const MethodInfo& method : all_methods()) {
+      for (const SettingInfo& setting : method.settings) {
+        const std::string word = std::string(setting.name) + "=";
+        if (std::ranges::find(words, word) == words.end()) words.push_back(word);
+      }
+    }
   }
   return words;
 }
 
-DescribedOption described(const CLI::Option& option) {
+DescribedOption described(const CLI::App& app, const CLI::Option& option) {
   DescribedOption result;
   if (!option.get_snames().empty()) result.shorts = option.get_snames().front();
   if (!option.get_lnames().empty()) result.longs = option.get_lnames().front();
   result.value = program::value_of(option);
-  result.choices = choices_of(option);
+  result.choices = choices_of(app, option);
   result.text = option.get_description();
   result.required = option.get_required();
   return result;
@@ -34,7 +44,7 @@ DescribedOption described(const CLI::Option& option) {
 void add(const CLI::App& app, const std::string& above, std::vector<DescribedCommand>& list) {
   DescribedCommand command{above + app.get_name(), app.get_description(), app.get_footer(), {}, {}};
   for (const CLI::Option* option : app.get_options()) {
-    if (!option->get_group().empty()) command.options.push_back(described(*option));
+    if (!option->get_group().empty()) command.options.push_back(described(app, *option));
   }
   const auto below = app.get_subcommands([](const CLI::App*) { return true; });
   for (const CLI::App* child : below) command.commands.push_back(child->get_name());

@@ -111,6 +111,10 @@ Option Command::add_text(const std::string& names, std::function<void(const std:
       help));
 }
 
+void Command::add_help(const std::string& section) {
+  app_->footer(app_->get_footer() + "\n\n" + section);
+}
+
 void Command::callback(std::function<void()> chosen) {
   app_->callback(std::move(chosen));
 }

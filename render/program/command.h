@@ -73,6 +73,8 @@ class Command {
   /// `take` reads the text, and throws Misuse where it has no meaning.
   Option add_text(const std::string& names, std::function<void(const std::string&)> take,
                   const std::string& help);
+  /// Adds a section below the examples of --help.
+  void add_help(const std::string& section);
   /// Sets the function to call once all options are parsed.
   void callback(std::function<void()> chosen);
 

@@ -10,8 +10,9 @@ namespace {
 
 constexpr std::size_t kWidth = 100, kColumn = 30;  // letters; where descriptions begin
 
-/// A name and its description, which is broken between words.
-std::string entry(const std::string& name, const std::string& description) {
+}  // namespace
+
+std::string help_entry(const std::string& name, const std::string& description) {
   std::string text = "  " + name, line;
   if (text.size() + 2 > kColumn) {
     text += '\n';
@@ -34,8 +35,6 @@ std::string entry(const std::string& name, const std::string& description) {
   return text + line + '\n';
 }
 
-}  // namespace
-
 std::string value_of(const CLI::Option& option) {
   std::string type = option.get_type_name();
   type = type.substr(0, type.find_first_of(": "));
@@ -57,11 +56,11 @@ class Format : public CLI::Formatter {
     std::string name = is_positional ? value : option->get_name(false, true);
     if (is_positional && option->get_expected_max() > 1) name += "...";
     if (!is_positional && !value.empty()) name += " " + value;
-    return entry(name, option->get_description());
+    return help_entry(name, option->get_description());
   }
 
   std::string make_subcommand(const CLI::App* command) const override {
-    return entry(command->get_name(), command->get_description());
+    return help_entry(command->get_name(), command->get_description());
   }
 
   std::string make_usage(const CLI::App* app, std::string name) const override {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenes/format/format.h"
+#include "sim/run/method.h"
 
 namespace taut::scenes {
 
@@ -39,6 +40,10 @@ Json method_schema() {
   Json by_name = Json::array();
   for (const auto& [name, format] : method_formats()) {
     Json one = table_schema(format);
+    for (const SettingInfo& setting : find_method(name)->settings) {
+      Json& fallback = one["properties"][std::string(setting.name)]["default"];
+      std::visit([&](const auto& value) { fallback = value; }, setting.fallback);
+    }
     one["properties"]["name"] = {{"const", name}, {"description", format.keys.front().meaning}};
     by_name.push_back(std::move(one));
   }

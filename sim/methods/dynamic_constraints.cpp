@@ -147,19 +147,22 @@ MethodInfo dynamic_constraints_method() {
       .name = kDynamicConstraints,
       .summary = "forces from the system of all links, returning critically damped",
       .settings =
-          {step_setting("The time step; zero takes a share of the longest that is stable.", 10),
+          {step_setting(kStableStep, 10),
            {.name = "time_constant",
-            .meaning = "In which length errors return by e, 1.3 steps or more; zero: ten steps.",
+            .meaning = "Time in which a length error shrinks by a factor of e, at least 1.3 steps; "
+                       "0: ten steps. Raising it allows longer steps and larger length errors.",
             .unit = "s",
             .fallback = 0.0,
             .maximum = 100},
            {.name = "solver",
-            .meaning = "Elimination along the connector, or decomposition of the whole matrix.",
+            .meaning = "How tensions are solved: tridiagonal costs in proportion to the links, "
+                       "dense in proportion to their cube, as the paper timed it.",
             .unit = "",
             .fallback = std::string("tridiagonal"),
             .choices = {"tridiagonal", "dense"}},
            {.name = "integrator",
-            .meaning = "How a step is taken; rk4 solves four times.",
+            .meaning = "Integrator of a step: rk4 is of fourth order and solves for the tensions "
+                       "four times, semi-implicit-euler of first order and once.",
             .unit = "",
             .fallback = std::string("rk4"),
             .choices = {"semi-implicit-euler", "rk4"},

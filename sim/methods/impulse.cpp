@@ -213,36 +213,43 @@ void Impulse::check(const World& world, double time) const {
   }
 }
 
+/// Shorter steps do not take the method to the truth.
+SettingInfo impulse_step() {
+  SettingInfo info = step_setting({}, 10);
+  info.meaning =
+      "Length of a time step. Raising it costs less and errs more; lowering it leaves the method's "
+      "own error.";
+  return info;
+}
+
 }  // namespace
 
 MethodInfo impulse_method() {
   return {
       .name = kImpulse,
       .summary = "impulses between the ends, particles repositioned",
-      .settings = {step_setting({}, 10),
+      .settings = {impulse_step(),
                    {.name = "h",
-                    .meaning =
-                        "How far a link's length may be off before it is corrected; larger is "
-                        "faster.",
+                    .meaning = "Length error up to which a link is not repositioned. Raising it "
+                               "costs less and errs more.",
                     .unit = "m",
                     .fallback = 1e-5},
                    {.name = "l_c",
-                    .meaning =
-                        "The length at which a link resists compression, of its rest length; 0 "
-                        "folds.",
+                    .meaning = "Shortest length of a link, as a share of its rest length; 0: links "
+                               "fold. Raising it makes links resist compression earlier.",
                     .unit = "1",
                     .fallback = 1.0,
                     .maximum = 1},
                    {.name = "l_t",
-                    .meaning = "The length at which a link or span resists stretching, of its rest "
-                               "length.",
+                    .meaning = "Longest length of a link or span, as a share of its rest length. "
+                               "Raising it lets the connector stretch.",
                     .unit = "1",
                     .fallback = 1.0,
                     .minimum = 1,
                     .maximum = 10},
                    {.name = "passes",
-                    .meaning = "Repositioning passes over all links in a step; more keep lengths "
-                               "better.",
+                    .meaning = "Repositioning passes over all links in a step. Raising it keeps "
+                               "lengths better and costs more.",
                     .unit = "1",
                     .fallback = 1.0,
                     .minimum = 1,
@@ -250,7 +257,8 @@ MethodInfo impulse_method() {
                     .whole = true,
                     .sweep = {1.0, 4.0, 16.0}},
                    {.name = "as_printed",
-                    .meaning = "Equation (5) and the ends as the paper prints them, uncorrected.",
+                    .meaning =
+                        "Equation (5) and the ends as the paper prints them, without corrections.",
                     .unit = "",
                     .fallback = false}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {

@@ -223,21 +223,24 @@ MethodInfo xpbd_method() {
   return {
       .name = kXpbd,
       .summary = "extended position-based dynamics with small steps",
-      .settings = {step_setting("The time step; zero takes 1 ms, or less where something heavy "
-                                "hangs or rods are stiff: links stretch by 1% at rest.",
-                                12),
-                   {.name = "compliance",
-                    .meaning = "How far a newton stretches each link; more is softer.",
-                    .unit = "m/N",
-                    .fallback = 0.0},
-                   {.name = "iterations",
-                    .meaning = "Passes over all links in a step; more is stiffer and dearer.",
-                    .unit = "1",
-                    .fallback = 1.0,
-                    .minimum = 1,
-                    .maximum = 10000,
-                    .whole = true,
-                    .sweep = {1.0, 4.0, 16.0}}},
+      .settings =
+          {step_setting(
+               "Length of a time step; 0: 1 ms, or less where something heavy hangs or rods are "
+               "stiff, so that links stretch by 1% at rest. Raising it costs less and errs more.",
+               12),
+           {.name = "compliance",
+            .meaning = "Stretch of each link per newton; 0: rigid links. Raising it softens the "
+                       "connector.",
+            .unit = "m/N",
+            .fallback = 0.0},
+           {.name = "iterations",
+            .meaning = "Passes over all links in a step. Raising it stretches less and costs more.",
+            .unit = "1",
+            .fallback = 1.0,
+            .minimum = 1,
+            .maximum = 10000,
+            .whole = true,
+            .sweep = {1.0, 4.0, 16.0}}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Xpbd>(settings);
       },

@@ -69,33 +69,35 @@ void Multibody::count() {
 }  // namespace
 
 MethodInfo multibody_method() {
-  return {.name = kMultibody,
-          .summary = "joint coordinates with error control, by Simbody",
-          .settings = {{.name = "accuracy",
-                        .meaning = "Relative error allowed in a step; less is dearer.",
-                        .unit = "1",
-                        .fallback = 1e-3,
-                        .minimum = 1e-12,
-                        .maximum = 0.5,
-                        .sweep = {0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
-                       {.name = "integrator",
-                        .meaning =
-                            "Runge-Kutta-Merson of order 4, Runge-Kutta of order 3, or Verlet's.",
-                        .unit = "",
-                        .fallback = std::string("merson"),
-                        .choices = {"merson", "runge-kutta-3", "verlet"},
-                        .sweep = {std::string("merson"), std::string("runge-kutta-3")}}},
-          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-            return std::make_unique<Multibody>(settings);
+  return {
+      .name = kMultibody,
+      .summary = "joint coordinates with error control, by Simbody",
+      .settings = {{.name = "accuracy",
+                    .meaning =
+                        "Relative error allowed in a step. Raising it costs less and errs more.",
+                    .unit = "1",
+                    .fallback = 1e-3,
+                    .minimum = 1e-12,
+                    .maximum = 0.5,
+                    .sweep = {0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
+                   {.name = "integrator",
+                    .meaning = "Integrator of a step: Runge-Kutta-Merson of fourth order, "
+                               "Runge-Kutta of third order, or Verlet of second order.",
+                    .unit = "",
+                    .fallback = std::string("merson"),
+                    .choices = {"merson", "runge-kutta-3", "verlet"},
+                    .sweep = {std::string("merson"), std::string("runge-kutta-3")}}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+        return std::make_unique<Multibody>(settings);
+      },
+      .paper_role = PaperRole::package_of_today,
+      .abilities = {kPlainFeatures},
+      .companion =
+          [](const MethodInfo& multibody, const Settings& settings) {
+            return with_tolerance_raised(multibody, settings, "accuracy");
           },
-          .paper_role = PaperRole::package_of_today,
-          .abilities = {kPlainFeatures},
-          .companion =
-              [](const MethodInfo& multibody, const Settings& settings) {
-                return with_tolerance_raised(multibody, settings, "accuracy");
-              },
-          .particle_memory = 8000,
-          .runs_alone = true};
+      .particle_memory = 8000,
+      .runs_alone = true};
 }
 
 }  // namespace taut::reference

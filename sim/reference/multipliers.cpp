@@ -279,7 +279,8 @@ MethodInfo truth_method() {
   return {.name = kTruth,
           .summary = "the converged solution, which the others are scored against",
           .settings = {{"local_error",
-                        "Error allowed in a step, in metres and metres per second; less is dearer.",
+                        "Error allowed in a step, in metres and metres per second. Raising it "
+                        "costs less and errs more.",
                         "1", 1e-12, 1e-15, 1e-3}},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multipliers>(settings);

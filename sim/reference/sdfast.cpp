@@ -190,21 +190,22 @@ MethodInfo sdfast_method() {
       .summary =
           "single chains that nothing pins, in joint coordinates, by SD/FAST's generated code",
       .settings = {{.name = "tolerance",
-                    .meaning =
-                        "Error allowed in a step, in joint coordinates and their rates; less is "
-                        "dearer.",
+                    .meaning = "Error allowed in a step, in joint coordinates and their rates. "
+                               "Raising it costs less and errs more.",
                     .unit = "1",
                     .fallback = 1e-3,
                     .minimum = 1e-12,
                     .maximum = 1,
                     .sweep = {0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
                    {.name = "formulation",
-                    .meaning = "Order(N), whose cost grows with the links, or Kane's.",
+                    .meaning = "Formulation: order-n costs in proportion to the links, kane solves "
+                               "with the whole mass matrix.",
                     .unit = "",
                     .fallback = std::string("order-n"),
                     .choices = {"order-n", "kane"}},
                    {.name = "joints",
-                    .meaning = "Pins where the chain moves in a plane, or ball joints always.",
+                    .meaning = "Joints of links: fewest uses pins where the chain moves in a "
+                               "plane, ball only ball joints.",
                     .unit = "",
                     .fallback = std::string("fewest"),
                     .choices = {"fewest", "ball"}}},

@@ -168,7 +168,7 @@ SettingInfo step_setting(std::string_view open, int sweep) {
   SettingInfo info{
       .name = "step",
       .meaning =
-          open.empty() ? "The time step; smaller is more accurate and costs in proportion." : open,
+          open.empty() ? "Length of a time step. Raising it costs less and errs more." : open,
       .unit = "s",
       .fallback = open.empty() ? 0.001 : 0.0,
       .maximum = 1,

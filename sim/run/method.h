@@ -27,7 +27,7 @@ using Settings = std::map<std::string, Setting, std::less<>>;
 /// A method's description of a setting; scene files, --help and sweeps are built from it.
 struct SettingInfo {
   std::string_view name;
-  std::string_view meaning;  // one sentence: what it is and what raising it does
+  std::string_view meaning;  // what it is; of a number also what raising it does
   std::string_view unit;     // "m", "s", "1" for a pure number, "" for flags and choices
   Setting fallback;          // the default
   double minimum = 0;        // numbers only; the value itself is refused where `above` is set
@@ -246,6 +246,9 @@ double step_of(const Settings& settings);
 /// of it, 1/60 s and each half of the one before. `open` says what zero, then the default, takes;
 /// empty: zero is refused.
 SettingInfo step_setting(std::string_view open, int sweep);
+inline constexpr std::string_view kStableStep =
+    "Length of a time step; 0: a share of the longest stable step. Raising it costs less and errs "
+    "more, until the run diverges.";
 
 /// The most steps that a run may take: so many are hours of the cheapest ones.
 inline constexpr double kMostRunSteps = 1e10;

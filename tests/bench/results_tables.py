@@ -481,6 +481,36 @@ def rows_of(schema, prefix):
     return rows
 
 
+@result("settings", SCENES, measured=False)
+def settings(work):
+    """the settings of the methods, from the schema of scene files"""
+    schema = json.loads((work.source / "scenes/scene.schema.json").read_text())
+    rows = [["method", "setting", "default", "unit", "range", "meaning"]]
+    for method in schema["properties"]["method"]["oneOf"]:
+        for name, key in method["properties"].items():
+            if name == "name":
+                continue
+            meaning, unit = re.fullmatch(r"(.*?)(?: \[(.*)\])?", key["description"]).groups()
+            rows.append([f"`{method['properties']['name']['const']}`", f"`{name}`", f"`{plain(key['default'])}`",
+                         unit or "", allowed(key), meaning])
+    return markdown(rows)
+
+
+def plain(value):
+    """A value as a scene file has it; whole numbers without a point."""
+    return str(int(value)) if isinstance(value, float) and value.is_integer() else json.dumps(value)
+
+
+def allowed(key):
+    """The values that a key of the schema accepts, in words."""
+    if "enum" in key:
+        return ", ".join(f'`"{one}"`' for one in key["enum"])
+    if key["type"] == "boolean":
+        return "`true`, `false`"
+    least = f"more than {key['exclusiveMinimum']:g}" if "exclusiveMinimum" in key else f"at least {key['minimum']:g}"
+    return least + (f", at most {key['maximum']:g}" if "maximum" in key else "") + (", whole" if key["type"] == "integer" else "")
+
+
 @result("keys", SCENES, measured=False)
 def keys(work):
     """the keys of a scene file, from its schema"""

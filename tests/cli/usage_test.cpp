@@ -8,6 +8,8 @@
 #include <sstream>
 
 #include "render/options/scene_options.h"
+#include "sim/run/method.h"
+#include "sim/run/method_choice.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/json_schema.h"
@@ -47,6 +49,33 @@ TEST_F(Usage, HelpFitsAHundredColumns) {
     for (const char* jargon : {"TEXT", "Excludes:", "INT:", "FLOAT"})
       EXPECT_EQ(outcome.output.find(jargon), std::string::npos) << words.front() << ": " << jargon;
   }
+}
+
+/// The words of a text with one space between them.
+std::string in_one_line(const std::string& text) {
+  std::istringstream words(text);
+  std::string line;
+  for (std::string word; words >> word;) line += word + " ";
+  return line;
+}
+
+TEST_F(Usage, HelpListsEverySettingOfEveryMethod) {
+  const std::string help = in_one_line(run({"simulate", "--help"}).output);
+  std::size_t settings = 0;
+  for (const MethodInfo& method : all_methods()) {
+    const std::size_t at = help.find(std::string(method.name) + ": " + std::string(method.summary));
+    ASSERT_NE(at, std::string::npos) << method.name;
+    for (const SettingInfo& setting : method.settings) {
+      const bool number = std::holds_alternative<double>(setting.fallback);
+      EXPECT_EQ(number, !setting.unit.empty()) << method.name << " " << setting.name;
+      std::string line = std::string(setting.name) + " = " + setting_text(setting.fallback) + " ";
+      if (number && setting.unit != "1") line += std::string(setting.unit) + " ";
+      line += std::string(setting.meaning) + " [";
+      EXPECT_NE(help.find(line, at), std::string::npos) << method.name << ": " << line;
+      ++settings;
+    }
+  }
+  EXPECT_GT(settings, 20U);
 }
 
 TEST_F(Usage, SaysItsVersion) {

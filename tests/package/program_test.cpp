@@ -67,6 +67,7 @@ TEST(InstalledProgram, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(completed("taut sim"), "simulate\n");
   EXPECT_EQ(completed("taut render scene.toml --backend e"), "egl\n");
   EXPECT_EQ(completed("taut simulate --method imp"), "impulse\n");
+  EXPECT_EQ(completed("taut simulate --set stiff"), "stiffness=\n");
   const std::string offered = " " + completed("taut render -");
   for (const std::string& option : options_in_help({program(), "render"})) {
     EXPECT_NE(offered.find(" " + option), std::string::npos) << option;
