@@ -5,6 +5,7 @@
 
 namespace taut::cli {
 
+void add_new(CLI::App& app, program::Program& program);
 void add_demo(CLI::App& app, program::Program& program);
 void add_render(CLI::App& app, program::Program& program);
 void add_simulate(CLI::App& app, program::Program& program);
@@ -24,9 +25,10 @@ void add_report(CLI::App& app, program::Program& program);
 
 /// In the order in which --help lists them.
 inline constexpr program::AddCommand kCommands[] = {
-    add_demo,   add_render,    add_simulate,    add_export, add_check,    add_bench,
-    add_chart,  add_stability, add_compare,     add_golden, add_classify, add_work_precision,
-    add_claims, add_plan,      add_choreograph, add_report,
+    add_new,         add_demo,     add_render,         add_simulate,  add_export,
+    add_check,       add_bench,    add_chart,          add_stability, add_compare,
+    add_golden,      add_classify, add_work_precision, add_claims,    add_plan,
+    add_choreograph, add_report,
 };
 
 }  // namespace taut::cli

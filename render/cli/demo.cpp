@@ -1,12 +1,9 @@
 // taut demo: the demonstration that taut comes with, a first picture within seconds.
-#include <fmt/format.h>
-
 #include <filesystem>
 
 #include "render/cli/commands.h"
 #include "render/program/note.h"
 #include "scenes/files/asset_path.h"
-#include "scenes/files/error.h"
 
 namespace taut::cli {
 namespace demo_command {
@@ -21,16 +18,6 @@ struct Options {
   bool preview = false;
 };
 
-fs::path shipped_scene() {
-  const auto folders = scenes::asset_folders(fs::current_path());
-  std::error_code error;
-  for (const scenes::AssetFolder& place : folders) {
-    if (fs::exists(place.folder / kScene, error)) return place.folder / kScene;
-  }
-  throw scenes::BadScene(
-      fmt::format("there is no file \"{}\"; looked: {}", kScene, scenes::places(folders)));
-}
-
 /// `taut render` of `scene` with these words behind it.
 int render(const program::Common& common, const fs::path& scene, const fs::path& out,
            std::vector<std::string> words) {
@@ -39,7 +26,7 @@ int render(const program::Common& common, const fs::path& scene, const fs::path&
 }
 
 int demo(const program::Common& common, const Options& options) {
-  const fs::path scene = shipped_scene(), out = options.out, preview = out / "preview";
+  const fs::path scene = scenes::shipped_file(kScene), out = options.out, preview = out / "preview";
   if (!common.quiet) program::note("a picture and five small seconds first, then the clip\n");
   int code = render(common, scene, preview, {"--poster", "6.9", "--size", "960x540"});
   if (code == program::kDone)

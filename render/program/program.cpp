@@ -38,6 +38,7 @@ namespace taut::program {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
+  taut new swing --like rope                      a scene of your own, to change and render
   taut demo                                       a first picture within seconds, then a clip
   taut render scenes/nunchaku.toml                its clip, in out/nunchaku
   taut check scenes/nunchaku.toml                 validate a scene and estimate its cost
@@ -46,7 +47,8 @@ constexpr const char* kExamples = R"(Examples:
 
 Files that a scene names are looked for in --assets, in the folders of the environment's TAUT_ASSETS
 (separated by colons), beside the scene, in its project (the nearest folder above it with a
-CMakePresets.json or .git), and in share/taut where taut is installed.
+CMakePresets.json or .git), in share/taut where taut is installed, and in the project in which taut
+was built.
 
 Results go to standard output, messages to standard error. Exit codes: 0 done, 1 a golden differs,
 2 usage, 3 bad scene or asset, 4 no rendering context, 5 FFmpeg missing or failed, 6 output could

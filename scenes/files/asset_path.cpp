@@ -6,6 +6,8 @@
 #include <new>
 #include <sstream>
 
+#include "scenes/files/error.h"
+
 namespace taut::scenes {
 
 namespace fs = std::filesystem;
@@ -22,6 +24,14 @@ fs::path resolved(const fs::path& path) {
   const fs::path real = fs::weakly_canonical(path, error);
   throw_if_out_of_memory(error);
   return error ? path : real;
+}
+
+/// The running program; empty if the system does not tell.
+fs::path running_program() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  throw_if_out_of_memory(error);
+  return error ? fs::path() : program;
 }
 
 /// The nearest folder above that is a project's; `folder` itself where there is none.
@@ -41,9 +51,8 @@ void set_asset_folder(const fs::path& folder) {
 
 fs::path installed_share() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  throw_if_out_of_memory(error);
-  if (error || program.parent_path().filename() != "bin") return {};
+  const fs::path program = running_program();
+  if (program.parent_path().filename() != "bin") return {};
   const fs::path share = program.parent_path().parent_path() / "share/taut";
   return fs::is_directory(share, error) ? share : fs::path();
 }
@@ -72,7 +81,19 @@ std::vector<AssetFolder> asset_folders(const fs::path& folder) {
   add("beside the scene", scene, project);
   add("the scene's project", project, project);
   add_tree("installed", installed_share());
+  const fs::path built = running_program().parent_path(), source = project_of(built);
+  if (source != built) add_tree("the program's project", source);
   return folders;
+}
+
+fs::path shipped_file(const fs::path& path) {
+  const auto folders = asset_folders(fs::current_path());
+  std::error_code error;
+  for (const AssetFolder& place : folders) {
+    if (fs::exists(place.folder / path, error)) return place.folder / path;
+  }
+  throw BadScene(
+      fmt::format("there is no file \"{}\"; looked: {}", path.string(), places(folders)));
 }
 
 std::string places(const std::vector<AssetFolder>& folders) {

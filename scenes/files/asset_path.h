@@ -20,8 +20,13 @@ void set_asset_folder(const std::filesystem::path& folder);
 
 /// The folders for a scene in `folder`, in order: `--assets`, those of the environment's
 /// TAUT_ASSETS (separated by colons), the scene's own, its project's (the nearest folder above it
-/// with a CMakePresets.json or .git), and the one that is installed beside the program.
+/// with a CMakePresets.json or .git), the one that is installed beside the program, and the project
+/// in which the program was built.
 std::vector<AssetFolder> asset_folders(const std::filesystem::path& folder);
+
+/// The first file of that relative path in the asset folders of the current folder. Throws BadScene
+/// if none has it.
+std::filesystem::path shipped_file(const std::filesystem::path& path);
 
 /// Throws std::bad_alloc where that is why a call of the library failed: those that take a code
 /// say so by it.

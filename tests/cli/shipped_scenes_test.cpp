@@ -31,7 +31,7 @@ TEST(ShippedScenes, RunToTheirEnds) {
 }
 
 TEST(LongShippedScenes, RunToTheirEnds) {
-  for (const char* folder : {"", "contact", "topology"}) expect_ends(folder, true);
+  for (const char* folder : {"", "contact", "topology", "new"}) expect_ends(folder, true);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kCommands = {
-    "render",  "simulate", "export",   "check",          "bench",  "chart", "stability",
-    "compare", "golden",   "classify", "work-precision", "claims", "plan",  "report"};
+    "new",     "render", "simulate", "export",         "check",  "bench", "chart", "stability",
+    "compare", "golden", "classify", "work-precision", "claims", "plan",  "report"};
 
 class Usage : public testing::Test {
  protected:

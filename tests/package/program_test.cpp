@@ -37,6 +37,8 @@ TEST(InstalledProgram, FindsItsScenesAndModels) {
                "duration = 1.0\n[bodies.stick]\nmass = 0.1\nposition = [0, 1, 0]\n"
                "shape = { sphere = { diameter = 0.1 } }\nmesh = \"assets/stick.glb\"\n[stage]\n");
   must_run({program(), "check", "own.toml"}, folder.path());
+  must_run({program(), "new", "swing", "--like", "crane"}, folder.path());
+  must_run({program(), "check", "swing.toml"}, folder.path());
 }
 
 TEST(InstalledProgram, ManualPagesHaveAllThatHelpHas) {

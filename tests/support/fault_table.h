@@ -26,8 +26,10 @@ class FaultTable {
 
   void add(const std::string& fault, const ProgramResult& outcome) {
     std::string message = outcome.messages;
-    // The folder's name is another one each time, and methods come and go.
+    // The folder's name is another one each time, the source's on each machine, and methods come
+    // and go.
     replace(message, folder_, "FOLDER");
+    replace(message, TAUT_SOURCE_DIR, "SOURCE");
     replace(message, method_names(), "METHODS");
     // Steps follow from errors down to their roundings, which processors make otherwise.
     message = std::regex_replace(message, std::regex("\\(step [0-9]+"), "(step N");
