@@ -1,6 +1,7 @@
 #include "render/options/method_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <charconv>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "render/options/scene_options.h"
 #include "render/options/settings_help.h"
 #include "render/program/command.h"
+#include "scenes/format/document.h"
 #include "scenes/format/scene_keys.h"
 #include "scenes/load/load_scene.h"
 
@@ -16,11 +18,11 @@ namespace taut::options {
 
 namespace {
 
-/// `text` as the type that the setting has; unknown settings are left for complaint() to name.
+/// `text` as the type that the setting, which the method must have, has.
 Setting parsed(const MethodInfo& method, const std::string& name, const std::string& text) {
-  const SettingInfo* info = find_setting(method, name);
-  if (!info || std::holds_alternative<std::string>(info->fallback)) return text;
-  if (std::holds_alternative<bool>(info->fallback)) {
+  const Setting& fallback = find_setting(method, name)->fallback;
+  if (std::holds_alternative<std::string>(fallback)) return text;
+  if (std::holds_alternative<bool>(fallback)) {
     if (text == "true") return true;
     if (text == "false") return false;
     throw program::Misuse(fmt::format("--set {}={}: expected true or false", name, text));
@@ -32,6 +34,23 @@ Setting parsed(const MethodInfo& method, const std::string& name, const std::str
     throw program::Misuse(fmt::format("--set {}={}: expected a number", name, text));
   }
   return number;
+}
+
+/// Throws Misuse if the method has no setting of that name: says which is meant, or whose it is.
+void refuse_unknown(const MethodInfo& method, const std::string& name) {
+  if (find_setting(method, name)) return;
+  std::vector<std::string_view> known;
+  for (const SettingInfo& setting : method.settings) known.push_back(setting.name);
+  std::string others;
+  for (const MethodInfo& other : all_methods())
+    if (find_setting(other, name)) others += (others.empty() ? "" : ", ") + std::string(other.name);
+  const std::string has = fmt::format("{}", fmt::join(known, ", "));
+  if (!others.empty())
+    throw program::Misuse(
+        fmt::format("--set {}: is a setting of {}; {} has: {}", name, others, method.name, has));
+  const std::string near = scenes::suggestion(name, known);
+  throw program::Misuse(fmt::format("--set {}: {} has no such setting{}", name, method.name,
+                                    near.empty() ? ", it has: " + has : near));
 }
 
 /// Keys with dots are never a method's.
@@ -128,7 +147,9 @@ MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& sc
   }
   for (const std::string& text : options.set) {
     const auto [name, value] = set_pair(text);
-    if (!is_of_scene(name)) choice.settings[name] = parsed(*method, name, value);
+    if (is_of_scene(name)) continue;
+    refuse_unknown(*method, name);
+    choice.settings[name] = parsed(*method, name, value);
   }
   const std::string wrong = complaint(*method, choice.settings);
   if (!wrong.empty()) throw program::Misuse(wrong);

@@ -90,6 +90,10 @@ TEST_F(Usage, WhatIsMisspeltIsToldApart) {
            {{"rendr", "swing.toml"}, "rendr is no command, did you mean \"render\"?"},
            {{"simulate", "swing.toml", "--stepp=1"},
             "--stepp is no option of taut simulate, did you mean \"--step\"?"},
+           {{"simulate", "swing.toml", "--set", "stepp=1"},
+            "--set stepp: direct has no such setting, did you mean \"step\"?"},
+           {{"simulate", "swing.toml", "--set", "stiffness=1"},
+            "--set stiffness: is a setting of springs; direct has: tolerance, step"},
            {{"--versoin"}, "--versoin is no option, did you mean \"--version\"?"}}) {
     const ProgramResult outcome = run(words);
     EXPECT_EQ(outcome.code, 2);
