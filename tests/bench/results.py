@@ -21,6 +21,7 @@ import sys
 
 from markdown_tables import cells
 import results_engines  # adds its results
+import results_gallery
 from results_tables import ANIMATIONS, RESULTS, Failed, check_animation, check_pictures
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]

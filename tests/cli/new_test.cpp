@@ -1,8 +1,9 @@
-// taut new: scenes to begin with.
+// taut new: scenes to begin with, and the pages that show the shipped ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/support/folder.h"
 #include "tests/support/json_schema.h"
@@ -93,6 +94,40 @@ TEST_F(NewScene, SaysWhyItCannotBeWritten) {
             std::string::npos)
       << alone.messages;
   EXPECT_FALSE(fs::exists(folder_.path() / "swing.toml"));
+}
+
+/// The links of a page that end so, as paths from scenes/.
+std::set<std::string> linked(const fs::path& page, const std::string& ending) {
+  const std::string text = read_file(page);
+  std::set<std::string> files;
+  for (std::size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at + 2)) {
+    const std::string file = text.substr(at + 2, text.find(')', at) - at - 2);
+    if (file.ends_with(ending))
+      files.insert(fs::relative(fs::weakly_canonical(page.parent_path() / file), kShipped));
+  }
+  return files;
+}
+
+TEST(Gallery, ShowsEveryShippedScene) {
+  std::set<std::string> scenes, pictures;
+  for (const auto& entry : fs::recursive_directory_iterator(kShipped)) {
+    if (entry.path().extension() != ".toml") continue;
+    std::string name = fs::relative(entry.path(), kShipped);
+    scenes.insert(name);
+    std::ranges::replace(name, '/', '_');
+    pictures.insert("../assets/pictures/scenes/" + name.replace(name.size() - 5, 5, ".webp"));
+  }
+  EXPECT_EQ(linked(kShipped / "gallery/README.md", ".toml"), scenes);
+  EXPECT_EQ(linked(kShipped / "gallery/README.md", ".webp"), pictures);
+  std::uintmax_t size = 0;
+  for (const std::string& picture : pictures) size += fs::file_size(kShipped / picture);
+  EXPECT_LT(size, 1'500'000u);
+}
+
+TEST(Tutorial, HasTenStepsFromANewScene) {
+  const std::set<std::string> steps = linked(kShipped / "tutorial/README.md", ".toml");
+  EXPECT_EQ(steps.size(), 10u);
+  EXPECT_TRUE(steps.contains("new/rope.toml"));
 }
 
 }  // namespace
