@@ -44,6 +44,7 @@ constexpr const char* kExamples = R"(Examples:
   taut check scenes/nunchaku.toml                 validate a scene and estimate its cost
   taut simulate scenes/nunchaku.toml --csv t.csv  its trajectory, without pictures
   taut COMMAND --help                             more about one command
+  taut simulate --help                            its options and the settings of every method
 
 Files that a scene names are looked for in --assets, in the folders of the environment's TAUT_ASSETS
 (separated by colons), beside the scene, in its project (the nearest folder above it with a
