@@ -178,10 +178,12 @@ MethodInfo springs_method() {
       .settings =
           {step_setting(kStableStep, 0),
            {.name = "stiffness",
-            .meaning = "Stiffness of each link. Raising it stretches less and needs shorter steps.",
+            .meaning =
+                "Stiffness of each link; 0: 10000, or more where something heavy hangs, so that "
+                "links stretch by 1% at rest. Raising it stretches less and needs shorter "
+                "steps.",
             .unit = "N/m",
-            .fallback = 1e4,
-            .above = true,
+            .fallback = 0.0,
             .sweep = {1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6, 1e7, 1e8}},
            {.name = "damping",
             .meaning = "Damping of the fastest wave along the connector, as a share of critical. "
