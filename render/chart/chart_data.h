@@ -59,7 +59,8 @@ struct CellKind {
   std::uint32_t color = 0xffffff;
 };
 
-/// A straight line over the whole panel; left out where it lies outside the axes.
+/// A straight line over the whole panel; left out where it lies outside the axes. The label of a
+/// horizontal one stands at the end where fewer curves cross it.
 struct Rule {
   double at = 0;
   bool vertical = true;

@@ -37,6 +37,21 @@ std::vector<std::string> wrapped(const std::string& text, double width, double h
   return lines;
 }
 
+// Something of it lies in the panel: no series of a method that is missing, or that ran nowhere.
+bool is_drawn(const Panel& panel, const Series& series) {
+  return std::ranges::any_of(series.points, [&](const Point& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && (!panel.x.log || p.x > 0) &&
+           (!panel.y.log || p.y > 0);
+  });
+}
+
+bool is_drawn(const Chart& chart, std::size_t kind) {
+  return std::ranges::any_of(chart.panels, [&](const Panel& panel) {
+    return std::ranges::any_of(panel.cells, [&](const Cell& cell) { return cell.kind == kind; });
+  });
+}
+
+// Names of what is drawn.
 std::vector<Entry> legend_entries(const Chart& chart) {
   std::vector<Entry> entries;
   if (!chart.legend) return entries;
@@ -44,11 +59,13 @@ std::vector<Entry> legend_entries(const Chart& chart) {
     for (const Series& series : panel.series) {
       const bool known = std::any_of(entries.begin(), entries.end(),
                                      [&](const Entry& e) { return e.name == series.name; });
-      if (series.name.empty() || known) continue;
+      if (series.name.empty() || known || !is_drawn(panel, series)) continue;
       entries.push_back({series.name, &series.style, series.line, series.markers, nullptr});
     }
   }
-  for (const CellKind& kind : chart.kinds) {
+  for (std::size_t k = 0; k < chart.kinds.size(); ++k) {
+    const CellKind& kind = chart.kinds[k];
+    if (!is_drawn(chart, k)) continue;
     entries.push_back({kind.letter.empty() ? kind.name : kind.letter + "  " + kind.name, nullptr,
                        false, false, &kind});
   }
@@ -56,6 +73,35 @@ std::vector<Entry> legend_entries(const Chart& chart) {
 }
 
 }  // namespace
+
+bool is_label_right(const Panel& panel, const Rule& rule) {
+  if (rule.vertical) return false;
+  constexpr double kWidth = 0.2, kBelow = 0.01, kAbove = 0.06;  // of the panel, around the label
+  constexpr int kSamples = 40;                                  // of a line between two points
+  const auto x = x_range(panel), y = y_range(panel);
+  const auto share = [](const Axis& axis, std::pair<double, double> range, double v) {
+    if (axis.log) return std::log(v / range.first) / std::log(range.second / range.first);
+    return (v - range.first) / (range.second - range.first);
+  };
+  const double height = share(panel.y, y, rule.at);
+  int left = 0, right = 0;
+  for (const Series& series : panel.series) {
+    const std::size_t lines = series.line ? series.points.size() : 0;
+    for (std::size_t i = 0; i + 1 < lines; ++i) {
+      const Point &a = series.points[i], &b = series.points[i + 1];
+      const double ax = share(panel.x, x, a.x), bx = share(panel.x, x, b.x);
+      const double ay = share(panel.y, y, a.y), by = share(panel.y, y, b.y);
+      for (int k = 0; k <= kSamples; ++k) {
+        const double along = ax + (bx - ax) * k / kSamples;
+        const double above = ay + (by - ay) * k / kSamples - height;
+        if (!(above > -kBelow && above < kAbove)) continue;
+        left += along < kWidth;
+        right += along > 1 - kWidth;
+      }
+    }
+  }
+  return right < left;
+}
 
 std::string name_in(const Panel& panel, const Series& series) {
   if (!series.name.empty()) return series.name;

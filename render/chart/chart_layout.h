@@ -36,6 +36,9 @@ struct Layout {
   std::vector<Entry> legend;
 };
 
+/// The label of a horizontal rule stands at the right end: fewer curves cross it there.
+bool is_label_right(const Panel& panel, const Rule& rule);
+
 /// A series' name; one without goes with the one that looks like it, and hides with that.
 std::string name_in(const Panel& panel, const Series& series);
 

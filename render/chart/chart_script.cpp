@@ -164,7 +164,7 @@ void Script::add_panel(std::size_t index) {
   }
   for (const Rule& rule : panel.rules) {
     const std::string at = number(rule.at);
-    const bool v = rule.vertical;
+    const bool v = rule.vertical, right = is_label_right(panel, rule);
     const auto range = v ? x : y;
     if (rule.at < range.first || rule.at > range.second) continue;
     add("set arrow from {} to {} nohead back lc rgb '#555555' dt (6,4) lw 1.3\n",
@@ -172,8 +172,11 @@ void Script::add_panel(std::size_t index) {
         v ? fmt::format("first {},graph 1", at) : fmt::format("graph 1,first {}", at));
     if (!rule.label.empty()) {
       add("set label {} at {} {} textcolor rgb '#444444' {}\n", literal(rule.label),
-          v ? fmt::format("first {},graph 0.985", at) : fmt::format("graph 0.01,first {}", at),
-          v ? "left rotate by -90 offset character 0.8,0" : "left offset character 0,0.7",
+          v ? fmt::format("first {},graph 0.985", at)
+            : fmt::format("graph {},first {}", right ? 0.99 : 0.01, at),
+          v       ? "left rotate by -90 offset character 0.8,0"
+          : right ? "right offset character 0,0.7"
+                  : "left offset character 0,0.7",
           font(kText * 0.9));
     }
   }

@@ -48,6 +48,7 @@ th, td { padding: 0.15em 0.7em; border-bottom: 1px solid var(--line); text-align
 .number { text-align: right; font-variant-numeric: tabular-nums; }
 .clips .grid { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fill, minmax(min(100%, 18rem), 1fr)); margin-top: 0.7rem; }
 video, img { display: block; width: 100%; background: #000; border-radius: 0.25em; }
+.picture img { width: auto; max-width: min(100%, 60rem); margin-bottom: 1rem; }
 .views { display: grid; gap: 1.5rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); }
 .views img { image-rendering: pixelated; border-radius: 0; } .views input { width: 100%; margin: 0; }
 .pair { position: relative; } .pair img + img { position: absolute; inset: 0; }
@@ -101,7 +102,10 @@ Json json_of(const Panel& panel) {
                              cell.y, cell.command});
   }
   for (const Rule& rule : panel.rules) {
-    json["rules"].push_back({{"at", rule.at}, {"vertical", rule.vertical}, {"label", rule.label}});
+    json["rules"].push_back({{"at", rule.at},
+                             {"vertical", rule.vertical},
+                             {"right", chart_layout::is_label_right(panel, rule)},
+                             {"label", rule.label}});
   }
   for (const Remark& remark : panel.remarks) {
     json["remarks"].push_back({{"x", remark.x}, {"y", remark.y}, {"text", remark.text}});

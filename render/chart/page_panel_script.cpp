@@ -161,6 +161,7 @@ const std::string_view kPanelScript = R"js(class Panel {
       add('path', {class: 'rule', d: v ? `M${at} ${this.top}V${this.bottom}`
         : `M${this.left} ${at}H${this.right}`}, inner);
       add('text', v ? {transform: `translate(${at + 0.3 * em} ${this.top + 0.5 * em}) rotate(90)`}
+        : rule.right ? {x: this.right - 0.4 * em, y: at - 0.3 * em, 'text-anchor': 'end'}
         : {x: this.left + 0.4 * em, y: at - 0.3 * em}, inner, rule.label);
     }
     for (const series of this.data.series)

@@ -73,8 +73,13 @@ const std::string_view kPageScript = R"js(class Chart {
     const names = new Map();
     for (const panel of this.data.panels)
       for (const series of panel.series)
-        if (series.name && !names.has(series.name)) names.set(series.name, series);
-    for (const kind of this.data.kinds) names.set(kind.name, {...kind, kind: true});
+        if (series.name && !names.has(series.name) && series.points.some((p) => p[0] !== null &&
+          p[1] !== null && (!panel.x.log || p[0] > 0) && (!panel.y.log || p[1] > 0)))
+          names.set(series.name, series);
+    this.data.kinds.forEach((kind, k) => {
+      if (this.data.panels.some((panel) => panel.cells.some((cell) => cell[4] === k)))
+        names.set(kind.name, {...kind, kind: true});
+    });
     for (const [name, look] of names) {
       const button = make('button', {type: 'button', 'aria-pressed': 'true'}, legend);
       const swatch = make('svg', {viewBox: '0 0 40 14', 'aria-hidden': 'true'}, button);

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "render/base/error.h"
+#include "render/chart/chart_layout.h"
 
 namespace taut::chart_test {
 namespace {
@@ -120,6 +121,26 @@ TEST(Chart, MapFillsItsPanel) {
   EXPECT_EQ(chart::y_range(chart.panels[0]), (std::pair{1e-3, 1e-2}));
   const std::string svg = chart::draw_chart(chart, chart::ChartFormat::svg);
   EXPECT_NE(svg.find("accurate"), std::string::npos);
+}
+
+TEST(Chart, LegendNamesOnlyWhatIsDrawn) {
+  chart::Chart chart = small_chart();
+  chart.panels[0].series.push_back({"nothing", chart::method_style(5), true, true, false, {}});
+  chart.panels[0].series.push_back(
+      {"below zero", chart::method_style(6), true, true, false, {{0.1, -1}}});
+  chart.kinds = {{"failed", "F", 0x3b0f70}, {"accurate", "A", 0xfcfdbf}};
+  chart.panels[0].cells = {{1e-3, 1e-2, 1e-3, 1e-2, 1}};
+  std::vector<std::string> names;
+  for (const auto& entry : chart::chart_layout::layout_of(chart).legend)
+    names.push_back(entry.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"springs", "A  accurate"}));
+}
+
+TEST(Chart, ARulesLabelStandsWhereFewerCurvesAre) {
+  const chart::Panel panel = small_chart().panels[0];  // its curve rises
+  EXPECT_TRUE(chart::chart_layout::is_label_right(panel, {1.1e-5, false, "low"}));
+  EXPECT_FALSE(chart::chart_layout::is_label_right(panel, {0.9e-2, false, "high"}));
+  EXPECT_FALSE(chart::chart_layout::is_label_right(panel, {1.1e-5, true, "upright"}));
 }
 
 TEST(Chart, PanelsLieApartInsideThePicture) {
