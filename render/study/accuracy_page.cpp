@@ -16,6 +16,7 @@ namespace taut::studies {
 namespace {
 
 constexpr std::size_t kShare = 0, kPixels = 1;  // the metrics of a row
+constexpr double kAsked = 1e-3;                 // of the length, a middling error
 
 std::optional<std::size_t> reaching(const AccuracyBlock& block, double error,
                                     std::size_t metric = kShare) {
@@ -41,9 +42,39 @@ study::Spread drawn_spread(const AccuracyStudy& study, const study::AccuracyRow&
   return time;
 }
 
-/// The cheapest method at a middling error, in a sentence.
-std::string finding(const AccuracyStudy& study) {
-  constexpr double kAsked = 1e-3;
+/// An error below the truth's own cannot be told, and one above the length has nothing of the
+/// motion left.
+bool is_shown(const AccuracyStudy& study, const study::AccuracyRow& row) {
+  const double error = row.errors[kShare];
+  return row.end == study::Run::End::done && error >= study.self_error && error <= 1;
+}
+
+/// Methods that stay above a middling error at all their settings.
+std::string stuck(const AccuracyStudy& study) {
+  std::vector<std::string> names;
+  for (const AccuracyBlock& block : study.blocks) {
+    const double least = least_error(block);
+    if (!block.contender.candidate.settings.empty() || !std::isfinite(least) || least <= kAsked) {
+      continue;
+    }
+    names.push_back(fmt::format("{} {}", block.contender.label, options::percent(least)));
+  }
+  if (names.empty()) return "";
+  return fmt::format(" The least errors of methods that stay above {}: {}.",
+                     options::percent(kAsked), fmt::join(names, ", "));
+}
+
+std::string circumstances(const AccuracyStudy& study) {
+  return fmt::format(
+      "{}, {} particles: RMS error of all particles in the first {} s, where the truth is "
+      "predictable (its own error: {} of the length).",
+      study.title, study.particles, options::rounded(study.horizon),
+      options::percent(study.self_error));
+}
+
+}  // namespace
+
+std::string accuracy_finding(const AccuracyStudy& study) {
   const AccuracyBlock* best = nullptr;
   const AccuracyBlock* second = nullptr;
   const auto at = [&](const AccuracyBlock& block) {
@@ -59,35 +90,16 @@ std::string finding(const AccuracyStudy& study) {
     }
   }
   if (!best)
-    return fmt::format("No method comes within {} of the length", options::percent(kAsked));
-  std::string line = fmt::format("For an error of {} of the length {} is cheapest",
-                                 options::percent(kAsked), best->contender.label);
+    return fmt::format("No method keeps its error below {} of the length",
+                       options::percent(kAsked));
+  std::string line = fmt::format("{} keeps its error below {} of the length at the least cost",
+                                 best->contender.label, options::percent(kAsked));
   if (second) {
-    line += fmt::format(": {} times cheaper than {}, the next",
-                        options::rounded(at(*second) / at(*best)), second->contender.label);
+    line += fmt::format(": {} costs {} times as much", second->contender.label,
+                        options::rounded(at(*second) / at(*best)));
   }
-  std::string stuck;
-  for (const AccuracyBlock& block : study.blocks) {
-    const double least = least_error(block);
-    if (!block.contender.candidate.settings.empty() || !std::isfinite(least) || least <= kAsked) {
-      continue;
-    }
-    stuck += fmt::format("{}{} above {}", stuck.empty() ? "; " : ", ", block.contender.label,
-                         options::percent(least));
-  }
-  if (!stuck.empty()) line += stuck + " at any setting tried";
   return line;
 }
-
-std::string circumstances(const AccuracyStudy& study) {
-  return fmt::format(
-      "{}, {} particles: RMS error of all particles in the first {} s, where the truth is "
-      "predictable (its own error: {} of the length).",
-      study.title, study.particles, options::rounded(study.horizon),
-      options::percent(study.self_error));
-}
-
-}  // namespace
 
 chart::Table points_table(const AccuracyStudy& study, bool exact) {
   chart::Table table{
@@ -155,7 +167,9 @@ chart::Table work_precision_table(const AccuracyStudy& study) {
       const auto found = reaching(block, 1, kPixels);
       row.push_back(found ? options::rounded(1e3 * cost(block.rows[*found])) : "-");
     }
-    row.push_back(options::rounded(least_error(block)));
+    const double least = least_error(block);
+    row.push_back(least < study.self_error ? "below " + options::rounded(study.self_error)
+                                           : options::rounded(least));
     row.push_back(settings);
     table.add(std::move(row));
   }
@@ -201,26 +215,26 @@ chart::Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
   panel.y = {metric == kShare ? "RMS position error (share of the length); lower is better"
                               : "RMS position error (px of the scene's camera); lower is better",
              true};
-  if (metric == kShare) panel.y.maximum = 3;  // beyond, all is lost
   const auto command = [&](const study::AccuracyRow& row) {
     return options::score_command({study.scene, study.set}, row.candidate, study.share);
   };
   for (const AccuracyBlock& block : study.blocks) {
-    const std::vector<std::size_t> best =
-        study::pareto_front(study::cost_and_error(block.rows, metric));
+    std::vector<study::AccuracyRow> rows;
+    std::ranges::copy_if(block.rows, std::back_inserter(rows),
+                         [&](const study::AccuracyRow& row) { return is_shown(study, row); });
+    const std::vector<std::size_t> best = study::pareto_front(study::cost_and_error(rows, metric));
     chart::Series front{
         options::legend_name(block.contender), block.contender.style, true, true, false, {}};
     chart::Series rest{"", block.contender.style, false, true, true, {}};
     for (const std::size_t i : best) {
-      const study::Spread time = drawn_spread(study, block.rows[i]);
-      front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.least,
-                              1e3 * time.most, chart::kAuto, chart::kAuto, command(block.rows[i])});
+      const study::Spread time = drawn_spread(study, rows[i]);
+      front.points.push_back({1e3 * time.median, rows[i].errors[metric], 1e3 * time.least,
+                              1e3 * time.most, chart::kAuto, chart::kAuto, command(rows[i])});
     }
-    for (std::size_t i = 0; i < block.rows.size(); ++i) {
-      if (block.rows[i].end != study::Run::End::done) continue;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
       if (std::ranges::find(best, i) != best.end()) continue;
-      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[metric], chart::kAuto,
-                             chart::kAuto, chart::kAuto, chart::kAuto, command(block.rows[i])});
+      rest.points.push_back({1e3 * cost(rows[i]), rows[i].errors[metric], chart::kAuto,
+                             chart::kAuto, chart::kAuto, chart::kAuto, command(rows[i])});
     }
     panel.series.push_back(std::move(front));
     panel.series.push_back(std::move(rest));
@@ -237,7 +251,7 @@ chart::Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
 
 chart::Chart accuracy_chart(const AccuracyStudy& study) {
   chart::Chart chart;
-  chart.title = finding(study);
+  chart.title = accuracy_finding(study);
   chart.subtitle = circumstances(study) +
                    " Lines: each method's best settings; faint: the rest. Points: the median of a "
                    "run's timings; bars: all of them";
@@ -245,7 +259,7 @@ chart::Chart accuracy_chart(const AccuracyStudy& study) {
     chart.subtitle +=
         fmt::format(", and at least {} either way", options::percent(study.unsteadiness));
   }
-  chart.subtitle += ".";
+  chart.subtitle += ". Left out: errors above the length or below the truth's own." + stuck(study);
   chart.width = study.in_pixels ? 1500 : 1200;
   chart.height = 820;
   chart.panels.push_back(error_panel(study, kShare));
@@ -312,7 +326,9 @@ std::string accuracy_json(const AccuracyStudy& study) {
       if (found) one["cpu_ms_per_simulated_s_for_1_px"] = 1e3 * cost(block.rows[*found]);
     }
     one["least_error"] = nullptr;
-    if (std::isfinite(least_error(block))) one["least_error"] = least_error(block);
+    if (const double least = least_error(block); std::isfinite(least)) {
+      one["least_error"] = std::max(least, study.self_error);
+    }
     json["methods"].push_back(std::move(one));
   }
   for (const ModelRow& row : study.model.rows) {

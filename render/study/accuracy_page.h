@@ -37,6 +37,8 @@ chart::Table points_table(const AccuracyStudy& study, bool exact);
 chart::Table work_precision_table(const AccuracyStudy& study);
 /// Per target, the cheapest contender that reaches it, its settings, and the next.
 chart::Table best_table(const AccuracyStudy& study);
+/// The cheapest method at a middling error, in a sentence.
+std::string accuracy_finding(const AccuracyStudy& study);
 /// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have
 /// them.
 chart::Chart accuracy_chart(const AccuracyStudy& study);

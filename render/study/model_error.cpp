@@ -194,14 +194,15 @@ chart::Chart model_chart(const ModelStudy& study, const std::string& title) {
     const ModelRow &first = study.rows.front(), &last = study.rows.back();
     const double order = std::log2(study.rows[study.rows.size() - 2].links / last.links);
     chart.title = fmt::format(
-        "{} particles miss a continuous rope by {}% of its length, {} by {}%, in the end as "
-        "1/n^{:.2g}; a massless span by {}%, however many",
+        "{} particles miss the continuous rope by {}% of its length, {} particles by {}%, a "
+        "massless span by {}%",
         first.particles, options::rounded(100 * first.links), last.particles,
-        options::rounded(100 * last.links), order, options::rounded(100 * last.span));
+        options::rounded(100 * last.links), options::rounded(100 * last.span));
     chart.subtitle = fmt::format(
-        "{}: the model's error, whatever solves it, in the first {} s. The continuous rope: "
-        "extrapolated from 161 and 321 particles, known to {}% of the length.",
-        title, options::rounded(study.until), options::rounded(100 * study.uncertainty));
+        "{}: the model's error in the first {} s, which no method removes. Of n particles it falls "
+        "as 1/n^{:.2g} in the end. The continuous rope is extrapolated from 161 and 321 particles "
+        "and known to {}% of the length.",
+        title, options::rounded(study.until), order, options::rounded(100 * study.uncertainty));
     panel.rules.push_back({study.uncertainty, false, "how well the continuous rope is known"});
   }
   panel.series = {std::move(links), std::move(span)};
