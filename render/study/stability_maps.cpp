@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "render/chart/html_page.h"
 #include "render/options/reproduce.h"
@@ -14,7 +15,7 @@ namespace {
 
 /// In the order of MotionClass; dark to light from bad to good, so that grey print keeps the order.
 std::vector<chart::CellKind> kinds() {
-  return {{std::string(study::name_of(study::MotionClass::over_cap)), "-", 0xdddddd},
+  return {{"not run", "-", 0xdddddd},
           {std::string(study::name_of(study::MotionClass::failed)), "F", 0x3b0f70},
           {std::string(study::name_of(study::MotionClass::stretched)), "S", 0x8c2981},
           {std::string(study::name_of(study::MotionClass::over_damped)), "D", 0xde4968},
@@ -111,8 +112,8 @@ chart::Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std:
   return panel;
 }
 
-/// Who holds in most cells and who in fewest.
-std::string finding(const StabilityStudy& study, const StabilityMap& map) {
+/// The methods that keep energy and length in the largest and in the smallest share of their runs.
+std::string finding(const StabilityStudy& study, std::span<const StabilityMap> maps) {
   struct Share {
     std::string label;
     double good = 0, all = 0;
@@ -121,23 +122,33 @@ std::string finding(const StabilityStudy& study, const StabilityMap& map) {
   std::vector<Share> shares;
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
     Share share{study.contenders[c].label, 0, 0};
-    for (const MapCell& cell : map.cells) {
-      if (cell.contender != c) continue;
-      // That depends on the machine: it says nothing about the method.
-      if (cell.classification.motion_class == study::MotionClass::over_cap) continue;
-      ++share.all;
-      share.good += cell.classification.motion_class == study::MotionClass::accurate ||
-                    cell.classification.motion_class == study::MotionClass::plausible;
+    for (const StabilityMap& map : maps) {
+      for (const MapCell& cell : map.cells) {
+        if (cell.contender != c) continue;
+        // That depends on the machine: it says nothing about the method.
+        if (cell.classification.motion_class == study::MotionClass::over_cap) continue;
+        ++share.all;
+        share.good += cell.classification.motion_class == study::MotionClass::accurate ||
+                      cell.classification.motion_class == study::MotionClass::plausible;
+      }
     }
     if (share.all > 0) shares.push_back(std::move(share));
   }
   if (shares.empty()) return "No method took part";
   const auto [worst, best] = std::ranges::minmax(shares, {}, &Share::percent);
-  return fmt::format("By {}: {} holds in {:.0f}% of the cells that ended in time, {} in {:.0f}%",
-                     map.axis.label, best.label, best.percent(), worst.label, worst.percent());
+  std::string line =
+      fmt::format("{} keeps energy and length in {:.0f}% of its runs", best.label, best.percent());
+  if (worst.percent() < best.percent()) {
+    line += fmt::format(", {} in {:.0f}%", worst.label, worst.percent());
+  }
+  return line;
 }
 
 }  // namespace
+
+std::string stability_finding(const StabilityStudy& study) {
+  return finding(study, study.maps);
+}
 
 chart::Table stability_table(const StabilityStudy& study) {
   chart::Table table{{"map", "value", "method", "setting", "at", "class", "energy gained",
@@ -159,11 +170,13 @@ chart::Table stability_table(const StabilityStudy& study) {
 
 chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
   chart::Chart chart;
-  chart.title = finding(study, map);
+  chart.title = fmt::format("By {}: {}", map.axis.label, finding(study, {&map, 1}));
   chart.subtitle = fmt::format(
       "{}, runs of {} s. The first class that fits: failed (diverged or gained 10% of the energy), "
       "stretched (a link by 1%), over-damped (lost 10%), accurate (within 1% of the length of "
-      "truth{}), plausible; the last two hold. A cell may take {} s of CPU time. {}",
+      "truth{}), plausible; the last two keep energy and length. Not run: what takes more than {} "
+      "s of "
+      "CPU time. {}",
       study.title, options::rounded(study.duration),
       study.scored ? "" : "; not told from plausible in a quick map", options::rounded(study.cap),
       options::machine());
@@ -192,8 +205,7 @@ chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& ma
 std::string stability_section(const StabilityStudy& study) {
   std::string body;
   for (const StabilityMap& map : study.maps) {
-    body += fmt::format("<h3>{}</h3>\n{}", chart::escape_html(map.axis.label),
-                        chart::html_chart(stability_chart(study, map)));
+    body += chart::html_chart(stability_chart(study, map));
   }
   return body;
 }

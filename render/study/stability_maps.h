@@ -43,6 +43,8 @@ struct StabilityStudy {
 
 chart::Table stability_table(const StabilityStudy& study);
 chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& map);
+/// The result of all maps, in a sentence.
+std::string stability_finding(const StabilityStudy& study);
 /// The study's section of a page: its maps.
 std::string stability_section(const StabilityStudy& study);
 /// One HTML page that needs no other file.
