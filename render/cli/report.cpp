@@ -72,6 +72,7 @@ void measure_scene(const options::StudyOptions& options, std::size_t most,
     measured.journals.push_back(studies::map_all(report.stability, maps, scene, folder,
                                                  "stability.unfinished", common, {}));
   }
+  report.picture = report::report_picture(options, folder, common);
   report.clips = report::report_clips(options, report.stability.contenders, folder, most, common);
 }
 

@@ -33,22 +33,21 @@ clips::RenderOptions small_clip(const options::StudyOptions& options, const Clip
   return clip;
 }
 
-/// As many pixels high as the scene's picture asks for, both sides even; and the frames from the
-/// first that no card covers.
-void choose_frames(clips::RenderOptions& clip, const ClipForm& form,
-                   const program::Common& common) {
+/// Frames of a clip, the last included.
+struct FrameRange {
+  std::ptrdiff_t first = 0, last = 0;
+};
+
+/// As many pixels high as the scene's picture asks for, both sides even. Returns the frames from
+/// the first that no card covers.
+FrameRange choose_size(clips::RenderOptions& clip, int width, const program::Common& common) {
   clips::RenderOptions whole = clip;
   whole.no_video = true;
   const clips::ClipJob job(whole, common);
   const double aspect = double(job.scene.height) / job.scene.width;
-  clip.size =
-      fmt::format("{}x{}", form.width, 2 * std::max(1l, std::lround(form.width * aspect / 2)));
+  clip.size = fmt::format("{}x{}", width, 2 * std::max(1l, std::lround(width * aspect / 2)));
   const auto open = std::ranges::find(job.clip, nullptr, &scenes::ClipFrame::card);
-  const auto first = open == job.clip.end() ? 0 : open - job.clip.begin();
-  const auto last = std::min<std::ptrdiff_t>(first + std::lround(form.fps * form.duration),
-                                             std::ssize(job.clip)) -
-                    1;
-  clip.frames = fmt::format("{}-{}", first, last);
+  return {open == job.clip.end() ? 0 : open - job.clip.begin(), std::ssize(job.clip) - 1};
 }
 
 std::string command_of(const clips::RenderOptions& clip) {
@@ -91,7 +90,9 @@ std::vector<ReportClip> report_clips(const options::StudyOptions& options,
   const ClipForm form = options.quick ? ClipForm{240, 12, 3} : ClipForm{};
   const program::Common quiet{true, false, common.threads};
   clips::RenderOptions clip = small_clip(options, form);
-  choose_frames(clip, form, quiet);
+  const FrameRange open = choose_size(clip, form.width, quiet);
+  const auto most_frames = std::lround(form.fps * form.duration);
+  clip.frames = fmt::format("{}-{}", open.first, std::min(open.first + most_frames - 1, open.last));
   std::vector<ReportClip> clips;
   program::Progress progress("rendering", "clips", contenders.size(), common.quiet);
   std::size_t done = 0;
@@ -105,6 +106,24 @@ std::vector<ReportClip> report_clips(const options::StudyOptions& options,
     clips.push_back(made(clip, most, quiet));
   }
   return clips;
+}
+
+std::filesystem::path report_picture(const options::StudyOptions& options,
+                                     const std::filesystem::path& folder,
+                                     const program::Common& common) {
+  const program::Common quiet{true, false, common.threads};
+  const ClipForm form{options.quick ? 480 : 960, 0};
+  clips::RenderOptions clip = small_clip(options, form);
+  const FrameRange open = choose_size(clip, form.width, quiet);
+  clip.frames = std::to_string((open.first + open.last) / 2);
+  clip.out = (folder / "picture").string();
+  clip.output.file = clip.out + ".webp";
+  try {
+    clips::draw_clip(clips::ClipJob(clip, quiet), quiet);
+  } catch (const Diverged&) {
+    return {};
+  }
+  return clip.output.file;
 }
 
 }  // namespace taut::report

@@ -13,5 +13,10 @@ std::vector<ReportClip> report_clips(const options::StudyOptions& options,
                                      const std::vector<options::Contender>& contenders,
                                      const std::filesystem::path& folder, std::size_t most,
                                      const program::Common& common);
+/// Makes a picture of the middle of the clip, by the scene's own method, in `folder`. Empty where
+/// the simulation diverges.
+std::filesystem::path report_picture(const options::StudyOptions& options,
+                                     const std::filesystem::path& folder,
+                                     const program::Common& common);
 
 }  // namespace taut::report

@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "render/base/version.h"
 #include "render/chart/html_page.h"
 #include "render/options/reproduce.h"
 #include "scenes/files/regular_file.h"
@@ -28,19 +33,41 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
+/// The methods whose largest error over time is the least and the most, in a sentence.
+std::string errors_finding(const std::vector<ReportErrors>& all) {
+  struct Largest {
+    std::string label;
+    double error = 0;
+  };
+  std::vector<Largest> reached;
+  for (const ReportErrors& one : all) {
+    Largest largest{one.contender.label, 0};
+    for (const ErrorAt& at : one.errors) largest.error = std::max(largest.error, at.error);
+    if (std::isfinite(largest.error) && !one.errors.empty()) reached.push_back(largest);
+  }
+  if (reached.empty()) return "No method ran at its own settings";
+  const auto [best, worst] = std::ranges::minmax(reached, {}, &Largest::error);
+  std::string line =
+      fmt::format("At its own settings {} stays within {} of the length of the truth", best.label,
+                  options::percent(best.error));
+  if (worst.error > best.error) {
+    line += fmt::format(", {} is off by up to {}", worst.label, options::percent(worst.error));
+  }
+  return line;
+}
+
 chart::Chart errors_chart(const SceneReport& report) {
   const studies::AccuracyStudy& study = report.accuracy;
   chart::Chart chart;
-  chart.title = "Errors over time, each method at its own settings";
+  chart.title = errors_finding(report.errors);
   chart.subtitle = fmt::format(
       "{}: RMS over the particles of each frame, while the truth is "
-      "predictable ({} s).",
+      "predictable ({} s). Left out: errors above the length or below the truth's own.",
       study.title, options::rounded(study.horizon));
   chart::Panel panel;
   panel.x = {"time (s)", false};
   panel.y = {"RMS position error (share of the length)", true};
-  panel.y.maximum = 3;  // beyond, all is lost
-  panel.rules.push_back({study.self_error, false, "the truth's own error"});
+  panel.y.minimum = study.self_error;
   for (const ReportErrors& one : report.errors) {
     chart::Series series{one.contender.label, one.contender.style, true, true, false, {}};
     const std::string command =
@@ -48,8 +75,8 @@ chart::Chart errors_chart(const SceneReport& report) {
     const std::size_t every = 1 + one.errors.size() / kMostPoints;
     for (std::size_t k = 0; k < one.errors.size(); k += every) {
       const ErrorAt& at = one.errors[k];
-      series.points.push_back(
-          {at.time, at.error, chart::kAuto, chart::kAuto, chart::kAuto, chart::kAuto, command});
+      series.points.push_back({at.time, at.error <= 1 ? at.error : chart::kAuto, chart::kAuto,
+                               chart::kAuto, chart::kAuto, chart::kAuto, command});
     }
     panel.series.push_back(std::move(series));
   }
@@ -80,21 +107,50 @@ std::string section(const std::string& id, const char* heading, const std::strin
   return fmt::format("<section><h2 id=\"{}\">{}</h2>\n{}</section>\n", id, heading, body);
 }
 
+/// The scene's picture and what its measurements come to.
+std::string beginning(const SceneReport& report) {
+  std::string text;
+  if (!report.picture.empty()) {
+    text = fmt::format(
+        "<figure class=\"picture\"><img alt=\"{}\" src=\"data:image/webp;base64,{}\"></figure>\n",
+        chart::escape_html(report.accuracy.title), base64(scenes::read_bytes(report.picture)));
+  }
+  text +=
+      fmt::format("<p><b>{}.</b>", chart::escape_html(studies::accuracy_finding(report.accuracy)));
+  if (!report.stability.maps.empty()) {
+    text += fmt::format(" In the maps of stability {}.",
+                        chart::escape_html(studies::stability_finding(report.stability)));
+  }
+  return text + "</p>\n";
+}
+
+/// As in 2026-11-30.
+std::string today() {
+  const std::chrono::year_month_day day{
+      std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now())};
+  return fmt::format("{:04}-{:02}-{:02}", int(day.year()), unsigned(day.month()),
+                     unsigned(day.day()));
+}
+
 }  // namespace
 
 std::string report_page(const std::vector<SceneReport>& scenes) {
-  std::string body = fmt::format(
+  std::string body;
+  if (scenes.size() == 1) body += beginning(scenes.front());
+  body += fmt::format(
+      "<p class=\"note\">{}, taut {}. {}.</p>\n"
       "<p>Points of charts, cells of maps and clips say the command that makes them: choose one, "
-      "and copy it. Series hide by their names; a rectangle drawn into a chart enlarges it.</p>"
-      "<p class=\"note\">{}</p>\n",
-      chart::escape_html(options::machine()));
+      "and copy it. Series hide by their names; a rectangle drawn into a chart enlarges it.</p>\n",
+      today(), render::version(), chart::escape_html(options::machine()));
   std::string titles;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const SceneReport& report = scenes[i];
     const studies::AccuracyStudy& study = report.accuracy;
     const auto id = [&](const char* name) { return fmt::format("{}-{}", name, i + 1); };
     titles += (titles.empty() ? "" : ", ") + study.title;
-    if (scenes.size() > 1) body += fmt::format("<h1>{}</h1>\n", chart::escape_html(study.title));
+    if (scenes.size() > 1) {
+      body += fmt::format("<h1>{}</h1>\n{}", chart::escape_html(study.title), beginning(report));
+    }
     body += fmt::format("<p>Scene: {}</p>\n<nav>", chart::escape_html(study.scene));
     for (const auto& [name, words] : {std::pair{"accuracy", "Speed against accuracy"},
                                       {"errors", "Errors over time"},

@@ -30,6 +30,7 @@ struct SceneReport {
   studies::StabilityStudy stability;  // no maps: the scene has pins, which maps do not follow
   std::vector<ReportErrors> errors;
   std::vector<ReportClip> clips;
+  std::filesystem::path picture;  // .webp; empty: there is none
 };
 
 /// The most bytes that a page may have.

@@ -96,6 +96,28 @@ TEST_F(Report, IsOneFileBelowFiveMegabytesAndAsTheSchemaSays) {
   EXPECT_NE(page_.find("Short &lt;/swing&gt;"), std::string::npos);
 }
 
+TEST_F(Report, BeginsWithAPictureAConclusionDateAndVersion) {
+  const std::string start = page_.substr(0, page_.find("<nav>"));
+  EXPECT_NE(start.find("data:image/webp;base64,"), std::string::npos);
+  EXPECT_NE(start.find(" its error below 0.1% of the length"), std::string::npos);
+  EXPECT_TRUE(
+      std::regex_search(start, std::regex("20\\d\\d-\\d\\d-\\d\\d, taut \\d+\\.\\d+\\.\\d+")));
+}
+
+// The truth cannot tell an error below its own.
+TEST_F(Report, PointsLieBetweenTheTruthsErrorAndTheLength) {
+  std::smatch known;
+  ASSERT_TRUE(
+      std::regex_search(page_, known, std::regex("its own error: ([-+.e0-9]+)% of the length")));
+  const double self_error = std::stod(known[1]) / 100;
+  for (const nlohmann::json& series : charts().at(0).at("panels").at(0).at("series")) {
+    for (const nlohmann::json& point : series.at("points")) {
+      EXPECT_GE(point.at(1), 0.99 * self_error);  // as it is rounded
+      EXPECT_LE(point.at(1), 1);
+    }
+  }
+}
+
 TEST_F(Report, CopiedPointsComeOutTheSame) {
   const nlohmann::json panel = charts().at(0).at("panels").at(0);
   std::size_t compared = 0;
