@@ -64,6 +64,12 @@ constexpr int kPreviewRate = 24;  // frames a second, at most
 
 constexpr const char* kFewer = ", fewer frames at a time (--frames), smaller pictures (--size)";
 
+/// Scenery fills a picture, and would leave nothing of it transparent.
+void leave_out_scenery(options::MethodOptions& chosen) {
+  const auto is_scenery = [](const std::string& set) { return set.starts_with("stage.scenery"); };
+  if (std::ranges::none_of(chosen.set, is_scenery)) chosen.set.emplace_back("stage.scenery=[]");
+}
+
 /// The options of a single picture, where one is asked for in whatever way.
 Stills stills_of(const RenderOptions& options, double duration) {
   Stills stills = options.stills;
@@ -94,6 +100,7 @@ void check_options(const RenderOptions& options) {
 
 ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : options(asked) {
   check_options(options);
+  if (options.output.transparent && !options.method.planned) leave_out_scenery(options.method);
   backend = gl::backend_named(options.backend);
   scene = options::load_chosen(options.scene, true, options.method);
   const int planned_height = scene.height;

@@ -39,8 +39,9 @@ void add_output_options(program::Command& command, OutputOptions& options) {
       .type_name("FILE");
   command.add_option("--quality", options.quality, "Of the video, 0 to 100; default 85")
       .range(0, 100);
-  command.add_flag("--transparent", options.transparent,
-                   "No background but opacity: frames, .png, .webm, .mov, .webp, .apng");
+  command.add_flag(
+      "--transparent", options.transparent,
+      "Opacity in place of background and scenery: frames, .png, .webm, .mov, .webp, .apng");
   command
       .add_option("--preset", options.preset,
                   "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples, "

@@ -108,9 +108,8 @@ TEST_F(Output, ABackgroundComesOutAsItIsAsked) {
   EXPECT_EQ(green.at(1, 1)[2], 0);
 }
 
-TEST_F(Output, TransparentPicturesHaveNoBackground) {
-  const std::vector<std::string> bare = {"--transparent", "--set", "stage.scenery=[]", "--set",
-                                         "connectors.rope.diameter=0.03"};
+TEST_F(Output, TransparentPicturesHaveNoBackgroundAndNoScenery) {
+  const std::vector<std::string> bare = {"--transparent", "--set", "connectors.rope.diameter=0.03"};
   const auto with = [&](std::vector<std::string> words) {
     words.insert(words.end(), bare.begin(), bare.end());
     return render(words);
