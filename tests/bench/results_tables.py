@@ -429,7 +429,7 @@ def export(work):
     for options in ("", " --scenery"):
         work.run(f"taut export scenes/nunchaku.toml{options} -o out/results/nunchaku.glb -q")
         sizes.append((work.out / "nunchaku.glb").stat().st_size / 1e6)
-    return f"The demo is {sizes[0]:.2g} MB so, with its scenery {sizes[1]:.2g} MB."
+    return f"The demo's file has {sizes[0]:.2g} MB, with `--scenery` {sizes[1]:.2g} MB."
 
 
 @result("clip", RENDER)
