@@ -1,25 +1,25 @@
 #include "render/draw/stage_floor.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <limits>
 #include <vector>
 
+#include "sim/run/cpu_time.h"
+
 namespace taut::draw {
 namespace {
 
-/// B/s, read and written together.
+/// B/s of CPU time, read and written together.
 double copying_speed() {
   constexpr std::size_t kBytes = std::size_t{1} << 25;  // beyond any cache
   std::vector<char> from(kBytes, 1), to(kBytes);
   double best = std::numeric_limits<double>::infinity();
   for (char round = 0; round < 5; ++round) {
     from[0] = round;
-    const auto start = std::chrono::steady_clock::now();
+    const double start = thread_seconds();
     std::memcpy(to.data(), from.data(), kBytes);
-    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-    if (to[0] == round) best = std::min(best, time.count());
+    if (to[0] == round) best = std::min(best, thread_seconds() - start);
   }
   return 2 * double(kBytes) / best;
 }

@@ -8,6 +8,12 @@ def markdown(rows, numbers=()):
     return "\n".join([lines[0], "|" + "|".join(rule) + "|", *lines[1:]])
 
 
+def digits(value, count):
+    """With so many digits that count, and never as a power of ten."""
+    rounded = float(f"{value:.{count}g}")
+    return f"{rounded:.0f}" if rounded >= 10 ** (count - 1) else f"{rounded:g}"
+
+
 def first_table(text):
     return text.split("\n\n")[0]
 

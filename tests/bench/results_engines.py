@@ -2,7 +2,7 @@
 import json
 import math
 
-from markdown_tables import cells, first_table, markdown
+from markdown_tables import cells, digits, first_table, markdown
 from results_tables import STUDY, Failed, keep, result
 
 
@@ -41,7 +41,7 @@ def costs_and_nearest(told):
     """A row for each method: its cost at each error on each scene, and the least error that it comes to."""
     def cost(point, cheapest):
         ms = point["cpu_ms_per_simulated_s"]
-        return f"{ms:.3g} ({ms / cheapest:.3g}x)" if ms else "-"
+        return f"{digits(ms, 3)} ({digits(ms / cheapest, 3)}x)" if ms else "-"
 
     head = ["ms per simulated second"]
     rows = {entry["method"]: [entry["method"]] for entry in told["scenes"][0]["methods"]}

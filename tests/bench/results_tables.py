@@ -6,7 +6,7 @@ import re
 import shutil
 import typing
 
-from markdown_tables import cells, first_table, markdown
+from markdown_tables import cells, digits, first_table, markdown
 
 RESULTS = {}
 STUDY, SIM, RENDER, SCENES, FRONT = ("sim/study/README.md", "sim/README.md", "render/README.md",
@@ -408,8 +408,8 @@ def frame(work):
                                "--out out/results/frame"))
     rows = [["stage", "CPU ms", "floor ms", "frames of 21"]]
     for stage in told["profile"]:
-        floor = f"{1e3 * stage['floor']:.2g}" if "floor" in stage else ""
-        rows.append([stage["stage"], f"{1e3 * stage['cpu']:.3g}", floor, stage["frames"]])
+        floor = digits(1e3 * stage["floor"], 2) if "floor" in stage else ""
+        rows.append([stage["stage"], digits(1e3 * stage["cpu"], 3), floor, stage["frames"]])
     return markdown(rows, (1, 2, 3))
 
 
