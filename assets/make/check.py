@@ -14,7 +14,7 @@ from skeleton import REST
 LIMITS = {  # triangles, bytes
     "martial_artist": (120_000, 3_000_000),
     "dojo": (36_000, 2_500_000),
-    "studio": (13_000, 400_000),
+    "studio": (26_000, 600_000),
     "cube": (4_000, 300_000),
     "bracket": (4_000, 200_000),
     "stick": (6_000, 200_000),

@@ -14,6 +14,10 @@ if [ -z "$SLURM_JOB_ID" ]; then
     '' | *[!0-9]* | 0*) echo "$usage" >&2; exit 2 ;;
   esac
   shift
+  if ! command -v sbatch >/dev/null; then
+    echo "$0: there is no sbatch: install Slurm (Debian: slurm-wlm)" >&2
+    exit 127
+  fi
   mkdir -p out/slurm || exit 6
   array=$(sbatch --parsable --requeue --open-mode=append --array="1-$count" --job-name=taut \
     --output=out/slurm/%A.%a.log "$0" "$@") || exit
