@@ -113,6 +113,13 @@ class GoldenCommand : public testing::Test {
   fs::path suite_ = folder_.path() / "suite";
 };
 
+TEST_F(GoldenCommand, AcceptingLeavesFilesOfWhatIsAsBefore) {
+  const std::string record = read_file(suite_ / "late.json") + "\n\n";
+  std::ofstream(suite_ / "late.json") << record;
+  EXPECT_EQ(golden({"accept", "suite", "--only", "late"}).output, "late: as before\n");
+  EXPECT_EQ(read_file(suite_ / "late.json"), record);
+}
+
 TEST_F(GoldenCommand, LeavesWhatIsNeededToJudgeADifference) {
   // The first frame is compared with the picture of the second.
   fs::copy_file(suite_ / "late.png", suite_ / "early.png", fs::copy_options::overwrite_existing);
