@@ -21,7 +21,10 @@ chart::Table class_table(const studies::StabilityStudy& study) {
       study::MotionClass::accurate,  study::MotionClass::plausible, study::MotionClass::over_damped,
       study::MotionClass::stretched, study::MotionClass::failed,    study::MotionClass::over_cap};
   chart::Table table{{"cells"}, {}};
-  for (const study::MotionClass one : kClasses) table.columns.emplace_back(study::name_of(one));
+  for (const study::MotionClass one : kClasses) {
+    table.columns.emplace_back(one == study::MotionClass::over_cap ? "not run"
+                                                                   : study::name_of(one));
+  }
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
     std::vector<std::string> row{study.contenders[c].label};
     for (const study::MotionClass one : kClasses) {
