@@ -360,11 +360,11 @@ have no columns; what is cut off a connector has its own from the start, as NAME
 --forces writes a row for each link, hold, clamp and contact of each frame: t, what (tension, hold,
 moment, contact), of (a connector or body), part (a particle: 3, a link: 3-4), with (what holds or
 touches it), with_part, x, y, z, fx, fy, fz (on the first; of a tension: on its link's first
-particle), size (N; of a clamp's moment N m). They are the forces that the scene's laws give in the state of the frame. Before them stand
-the events since the last frame, with their times, as the method tells them (direct: all; impulse
-and others: those of massless spans): taut and slack of spans and of links that only pull; hit,
-leave, slide and stick of contacts; impulse. Of a hit and an impulse, size is in N s. --json then
-has the largest forces.
+particle), size (N; of a clamp's moment N m). They are the forces that the scene's laws give in the
+state of the frame. Before them stand the events since the last frame, with their times, as the
+method tells them (direct: all; impulse and others: those of massless spans): taut and slack of
+spans and of links that only pull; hit, leave, slide and stick of contacts; impulse. Of a hit and an
+impulse, size is in N s. --json then has the largest forces.
 
 {}
 It is the last column, where the method has an estimate (inf once the run beside it diverges), and,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "sim/contact/body_contacts.h"
 #include "sim/contact/connector_contacts.h"
@@ -88,7 +87,7 @@ class Springs : public SteppedMethod {
  public:
   explicit Springs(const Settings& settings)
       : SteppedMethod("springs", number(settings, "step")),
-        given_(number(settings, "stiffness")),
+        stiffness_(number(settings, "stiffness")),
         damping_(number(settings, "damping")),
         integrator_(integrator_named(text(settings, "integrator"))),
         limit_(stability_limit(integrator_, damping_)),
@@ -96,10 +95,7 @@ class Springs : public SteppedMethod {
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
-    if (fitted_ != world.topology) {
-      stiffness_ = given_ > 0 ? given_ : own_stiffness(world);
-      fitted_ = world.topology;
-    }
+    if (stiffness_ == 0) stiffness_ = own_stiffness(world);
     stepper_.prepare(mechanism);
     connectors_.rebuild(mechanism, world);
     bodies_.rebuild(mechanism, world);
@@ -143,10 +139,9 @@ class Springs : public SteppedMethod {
     if (bodies_.any()) bodies_.stop(mechanism, time + dt, dt, state);
   }
 
-  double given_;                         // N/m; zero: its own
-  std::optional<std::uint64_t> fitted_;  // the topology that has this stiffness
-  double stiffness_ = 0, damping_;       // N/m, 1
-  double damper_ = 0;                    // N s/m
+  double given_;                    // N/m; zero: its own
+  double stiffness_ = 0, damping_;  // N/m, 1
+  double damper_ = 0;               // N s/m
   Integrator integrator_;
   double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;

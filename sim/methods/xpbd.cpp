@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "sim/contact/body_contacts.h"
 #include "sim/contact/connector_contacts.h"
@@ -38,14 +37,15 @@ double stiff_step(const World& world, double iterations) {
 
 /// The step (s) where the settings leave it open.
 double own_step(const World& world, double iterations) {
-  constexpr double kOpenStep = 1e-3;
-  return std::min(kOpenStep, stiff_step(world, iterations));
+  constexpr double kLeast = 1e-5, kMost = 1e-3;
+  return std::clamp(stiff_step(world, iterations), kLeast, kMost);
 }
 
 class Xpbd final : public SteppedMethod {
  public:
   explicit Xpbd(const Settings& settings)
       : SteppedMethod(kXpbd, number(settings, "step")),
+        own_step_(number(settings, "step")),
         compliance_(number(settings, "compliance")),
         iterations_(static_cast<int>(number(settings, "iterations"))) {}
 
@@ -63,10 +63,9 @@ class Xpbd final : public SteppedMethod {
   void flow(Mechanism& mechanism, double time, double dt, std::vector<double>& state);
   void pass(const Mechanism& mechanism, double softness, double* state);
 
+  double own_step_;    // s; zero until the first world is known
   double compliance_;  // m/N
   int iterations_;
-  std::optional<std::uint64_t> fitted_;       // the topology that has
-  double own_step_ = 0;                       // s, where the settings leave the step open
   double step_cycles_ = 0, pass_cycles_ = 0;  // see Counters::cycles
   std::vector<Carriers> carriers_;            // per row
   std::vector<double> multiplier_, flown_;    // kg m per row; the state after free motion
@@ -99,10 +98,7 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
       20 + 80 * count(mechanism.rows().size()) + 450 * count(mechanism.row_ends().size());
   pass_cycles_ += mechanism.material().cycles();
   step_cycles_ = 150 + 20 * count(mechanism.points()) + 700 * count(mechanism.bodies().size());
-  if (fitted_ != world.topology) {
-    own_step_ = own_step(world, iterations_);
-    fitted_ = world.topology;
-  }
+  if (own_step_ == 0) own_step_ = own_step(world, iterations_);
   return own_step_;
 }
 
@@ -225,8 +221,9 @@ MethodInfo xpbd_method() {
       .summary = "extended position-based dynamics with small steps",
       .settings =
           {step_setting(
-               "Length of a time step; 0: 1 ms, or less where something heavy hangs or rods are "
-               "stiff, so that links stretch by 1% at rest. Raising it costs less and errs more.",
+               "Length of a time step; 0: 1 ms, down to 10 us where something heavy hangs or "
+               "rods are stiff, so that links stretch by 1% at rest. Raising it costs less and "
+               "errs more.",
                12),
            {.name = "compliance",
             .meaning = "Stretch of each link per newton; 0: rigid links. Raising it softens the "

@@ -147,7 +147,7 @@ TEST_F(JoinedScene, FaultsOfLoopsAreNamed) {
   expect(kHead + ring("connector = \"ring\", at = 1.1", circle), "with 1 links between");
 }
 
-TEST_F(JoinedScene, OtherMethodsAndObstaclesAreRefused) {
+TEST_F(JoinedScene, OtherMethodsAreRefused) {
   for (const MethodInfo& method : all_methods()) {
     std::string text = kHead + kTrunk + branch("connector = \"trunk\", at = 0.4");
     text.replace(text.find("direct"), 6, method.name);
@@ -157,12 +157,6 @@ TEST_F(JoinedScene, OtherMethodsAndObstaclesAreRefused) {
       expect(text, "does not follow joints, expected one of: springs, xpbd, direct");
     }
   }
-  std::string text =
-      kHead + net("net", "upper edge") + "[obstacles.floor]\nshape = { plane = {} }\n";
-  text.replace(text.find("direct"), 6, "truth");
-  expect(text,
-         "nets.n: the method truth does not follow joints together with obstacles "
-         "(obstacles.floor, line");
 }
 
 TEST_F(JoinedScene, NetsLaddersAndWebs) {

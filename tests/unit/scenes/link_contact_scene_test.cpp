@@ -104,9 +104,10 @@ TEST_F(LinkContactScene, FaultsOfConnectorsThatTouchAreNamed) {
   expect(inside, "m inside of link");
   for (const MethodInfo& method : all_methods()) {
     if (!method.missing.empty() || method.abilities.follows.has(Feature::connector_pairs)) continue;
-    expect(touch("\"high\", \"low\"", "[method]\nname = \"" + std::string(method.name) + "\"\n"),
-           "the method " + std::string(method.name) +
-               " does not follow contact between connectors, expected one of: springs, xpbd, direct");
+    expect(
+        touch("\"high\", \"low\"", "[method]\nname = \"" + std::string(method.name) + "\"\n"),
+        "the method " + std::string(method.name) +
+            " does not follow contact between connectors, expected one of: springs, xpbd, direct");
   }
 }
 

@@ -152,7 +152,7 @@ TEST_F(MaterialScene, ClampsNeedADirectionToHold) {
   expect(loose, "needs an end that is held");
 }
 
-TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
+TEST_F(MaterialScene, OtherMethodsAreRefused) {
   const std::string keys = "mass = 1\nbending_stiffness = 1";
   for (const MethodInfo& method : all_methods()) {
     const std::string text = rope_with(keys, "fixed = [0, 1, 0]", "", std::string(method.name));
@@ -162,11 +162,14 @@ TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
       expect(text, "expected one of: springs, xpbd, direct, truth");
     }
   }
-  expect(rope_with(keys, "fixed = [0, 1, 0]", "", "truth") +
-             "[obstacles.floor]\nshape = { plane = {} }\n",
-         "scene.toml:12:1: connectors.rope.bending_stiffness: the method truth does not follow "
-         "bending together with obstacles (obstacles.floor, line 13), expected one of: springs, "
-         "xpbd, direct");
+  EXPECT_EQ(said(rope_with(keys, "fixed = [0, 1, 0]", "", "truth") +
+                 "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -2, 0]\n"),
+            "nothing");
+  expect(rope_with(keys, "fixed = [0, 1, 0]", "", "springs") +
+             "[connectors.pull]\nlength = 1\nmass = 1\nparticles = 3\nlinks = \"pull\"\n"
+             "bending_stiffness = 1\nfrom = { fixed = [1, 1, 0] }\nto = { free = true }\n",
+         "connectors.pull.bending_stiffness: the method springs does not follow bending together "
+         "with strings (connectors.pull.links, line");
 }
 
 /// A rope between two clamps along x, with `turn` beside the second.

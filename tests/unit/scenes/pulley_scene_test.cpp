@@ -136,17 +136,10 @@ TEST_F(PulleyScene, SaysWhatIsWrong) {
   expect({.from = "fixed = [0, 1, 0]"}, "leaves 0.8 m up to the first pulley, which is 1 m away");
   expect({.from = "fixed = [0, 1.5, 0]", .particles = "2"},
          "a span of one link is 0.8 m long between places that are 0.5 m apart");
-  expect({.more = "links = \"pull\"", .method = "truth"},
-         "does not follow pulleys together with strings");
   expect({.more = "look = \"chain\""}, "does not go with");
-  expect({.more = "axial_stiffness = 10.0", .method = "truth"},
-         "does not follow pulleys together with stretch");
   expect({.more = "taper = [1.0, 0.5]\nbending_stiffness = 1.0"}, "does not go with");
   expect({.method = "springs"},
          "over: the method springs does not follow pulleys, expected one of: direct, truth");
-  expect({.more = "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -1, 0]\n",
-          .method = "truth"},
-         "over: the method truth does not follow pulleys together with obstacles");
   expect({.more = "[[cuts]]\nt = 0.5\nconnector = \"rope\"\nat = 0.5\n"},
          "has a winch or passes a pulley");
   expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0] }\nright = { fixed = [0, 2, 0] }\n"},
