@@ -206,10 +206,10 @@ def together(work):
     files.append("scenes/contact/capstan.toml")
     methods = "direct,springs,xpbd"
     table = cheapest(work, files, [1e-1, 1e-2, 1e-3, 1e-4], methods,
-                     lambda file: "--budget 40 --quick" + ("" if "[[stage.shots]]" in (work.source / file).read_text()
-                                                           else " --set duration=0.5"))
-    work.commands = [f"taut work-precision {' '.join(files)} --methods {methods} --budget 40 --quick "
-                     "--set duration=0.5 --errors ..."]
+                     lambda file: "--budget 15 --quick" + ("" if "[[stage.shots]]" in (work.source / file).read_text()
+                                                           else " --set duration=0.2"))
+    work.commands = [f"taut work-precision {' '.join(files)} --methods {methods} --budget 15 --quick "
+                     "--set duration=0.2 --errors ..."]
     return table
 
 
