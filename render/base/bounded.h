@@ -31,5 +31,7 @@ Bounded run_bounded(const Bounds& bounds, const std::function<void(const Say& sa
 
 /// CPU time (s) of this process, all its threads together; of a copy since the fork.
 double process_seconds();
+/// CPU time (s) of all processes that this one started and that have ended.
+double children_seconds();
 
 }  // namespace taut::render

@@ -5,12 +5,15 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "render/base/atomic_file.h"
 #include "render/base/bounded.h"
+#include "render/cli/check_cheaper.h"
 #include "render/cli/check_connectors.h"
 #include "render/cli/check_features.h"
+#include "render/cli/check_records.h"
 #include "render/cli/check_time.h"
 #include "render/film/caption.h"
 #include "render/options/method_options.h"
@@ -42,17 +45,22 @@ struct Options {
   std::vector<std::string> plans;
 };
 
-constexpr int kSamples = 4;           // per pixel, as taut render takes them
-constexpr double kLooking = 2;        // s of CPU time, of each of two simulations
-constexpr double kLongestLook = 6;    // s of CPU time, of everything: what goes on is killed
-constexpr double kLookedAt = 1e9;     // bytes; what takes more is not simulated for a look
-constexpr std::size_t kMemory = 3e9;  // bytes, of the looks
+constexpr int kSamples = 4;      // per pixel, as taut render takes them
+constexpr double kWhole = 1;     // s of CPU time, of the whole check
+constexpr double kLeast = 0.25;  // s of CPU time, whatever reading the scene takes
+// Of what reading leaves of it.
+constexpr double kPiece = 0.7;    // a piece of the run
+constexpr double kCheaper = 0.2;  // a cheaper method, to compare with
+constexpr double kLook = 0.1;     // the camera and what it shows, at least
+
+constexpr double kLookedAt = 1e9;  // bytes; what takes more is not simulated for a look
 
 /// What is known of a scene.
 struct Known {
   scenes::Scene scene;
   bool staged = false;  // its file has a stage
   RunTime time;
+  std::optional<Cheaper> cheaper;
   std::vector<std::string> warnings;
 };
 
@@ -113,7 +121,18 @@ program::Json needs_json(const options::Needs& needs, const RunTime& run, double
   json["time_s"] = run.unknown.empty() ? program::Json(run.seconds + more) : program::Json(nullptr);
   json["measured_until_s"] = run.simulated;
   json["at_least"] = run.at_least;
+  const bool ranges = run.unknown.empty() && !run.at_least;
+  json["least_s"] = ranges ? program::Json(run.least + more) : program::Json(nullptr);
+  json["most_s"] = ranges ? program::Json(run.most + more) : program::Json(nullptr);
   return json;
+}
+
+program::Json cheaper_json(const Cheaper& cheaper) {
+  return {{"method", cheaper.method.name},
+          {"settings", options::settings_json(with_defaults(cheaper.method))},
+          {"time_s", cheaper.seconds},
+          {"apart_m", cheaper.apart},
+          {"apart_until_s", cheaper.until}};
 }
 
 /// The time (s) of drawing the clip, without simulating it.
@@ -191,6 +210,7 @@ program::Json as_json(const Known& known, int threads) {
         options::clip_needs(scene, options::clip_length(scene), kSamples, threads);
     json["render"] = needs_json(clip, known.time, drawing_time(scene, clip));
   }
+  json["cheaper"] = known.cheaper ? cheaper_json(*known.cheaper) : program::Json(nullptr);
   json["stage"] = known.staged;
   json["models"] = program::Json::array();
   if (!scene.stage) return json;
@@ -308,46 +328,45 @@ std::string as_text(const Known& known, int threads) {
 /// Completes the stage and looks at what its camera shows and at the choreography. Calls `tell`
 /// with all that is known before each part, that this is left out among the warnings, and at the
 /// end.
-void look(Known known, const std::vector<scenes::SceneChange>& changes,
-          const std::function<void(const Known&)>& tell) {
+void look(Known known, const std::vector<scenes::SceneChange>& changes, const scenes::KnownRun& run,
+          double seconds, const std::function<void(const Known&)>& tell) {
   const auto tell_without = [&](const std::string& left_out) {
     Known so_far = known;
     so_far.warnings.push_back(left_out);
     tell(so_far);
   };
-  const auto too_long = fmt::format("within {} s of CPU time", kLongestLook);
   try {
-    const WorkLimit limit({.cpu_time = kLooking});
+    const WorkLimit limit({.cpu_time = seconds});
     scenes::Scene complete = known.scene;
     const std::string left_out = scenes::complete_stage(complete, changes, check_stop);
     known.scene = std::move(complete);
     if (!left_out.empty()) known.warnings.push_back(left_out);
   } catch (const OverLimit&) {
-    return tell_without(fmt::format(
-        "the camera is left out: {} s of CPU time do not suffice to simulate what it has to show",
-        kLooking));
+    return tell_without("the camera is left out: what it has to show is too much to simulate");
   }
-  tell_without(fmt::format("what the camera shows is left out: it was not simulated {}", too_long));
-  for (std::string& warning : scenes::warnings_of(known.scene, kLooking, [] {})) {
+  tell_without("what the camera shows is left out: it is too much to look at");
+  for (std::string& warning : scenes::warnings_of(known.scene, run)) {
     known.warnings.push_back(std::move(warning));
   }
-  tell_without(fmt::format("the choreography is left out: it was not simulated {}", too_long));
+  tell_without("the choreography is left out: it is too much to simulate");
   if (auto missed = scenes::choreography_warning(known.scene, changes)) {
     known.warnings.push_back(std::move(*missed));
   }
   tell(known);
 }
 
-/// What a look found, as the command's output; ended where it takes too long.
+/// What a look found, as the command's output; ended after so many seconds of CPU time.
 std::string looked_at(Known known, const std::vector<scenes::SceneChange>& changes,
+                      const scenes::KnownRun& run, double seconds,
                       const std::function<std::string(const Known&)>& written) {
   const char* left_out = "the camera and what it shows are left out: too much to simulate";
   constexpr char kEnd = '\0', kError = '\1';  // after a text
   std::string said;
   if (options::simulation_needs(known.scene).memory <= kLookedAt) {
-    said = render::run_bounded({kLongestLook, kMemory}, [&](const render::Say& say) {
+    said = render::run_bounded({seconds, kCopyMemory}, [&](const render::Say& say) {
              try {
-               look(known, changes, [&](const Known& found) { say(written(found) + kEnd); });
+               look(known, changes, run, 0.7 * seconds,
+                    [&](const Known& found) { say(written(found) + kEnd); });
              } catch (const scenes::BadScene& error) {
                say(std::string(error.what()) + kError);
              }
@@ -368,25 +387,40 @@ std::string looked_at(Known known, const std::vector<scenes::SceneChange>& chang
 
 int check(const std::string& file, const std::vector<std::string>& set, double started,
           const program::Common& common) {
+  const double before = render::process_seconds() + render::children_seconds();
+  const auto used = [&] {
+    return started + render::process_seconds() + render::children_seconds() - before;
+  };
   const std::vector<scenes::SceneChange> changes = options::scene_changes(set);
-  if (scenes::Faults faults = scenes::faults_of(file, changes); !faults.first.empty()) {
+  Known known;
+  try {
+    known.scene = scenes::load_scene(file, true, changes);
+  } catch (const scenes::BadScene&) {  // the first of its faults
+    scenes::Faults faults = scenes::faults_of(file, changes);
+    if (faults.first.empty()) throw;
     throw program::BadScenes(std::move(faults));
   }
-  Known known;
-  const double before = render::process_seconds();
-  known.scene = scenes::load_scene(file, true, changes);
-  const double reading = render::process_seconds() - before;
+  const double ready = used(), seconds = std::max(kWhole - ready, kLeast);
   known.staged = known.scene.stage.has_value();
   if (known.staged) {
     for (std::string& lacks : film::missing_glyphs(*known.scene.stage)) {
       known.warnings.push_back(std::move(lacks));
     }
   }
-  known.time = time_of_run(known.scene, started + reading);
-  render::write_output(looked_at(known, changes, [&](const Known& found) {
-    return common.json ? program::json_text(as_json(found, common.threads)) + '\n'
-                       : as_text(found, common.threads);
-  }));
+  Piece piece;
+  known.time.unknown = why_not_tried(known.scene);
+  if (known.time.unknown.empty()) {
+    piece = run_piece(known.scene, kPiece * seconds);
+    known.time = time_of_run(known.scene, ready, piece);
+    known.cheaper = cheaper_method(known.scene, known.time, piece, kCheaper * seconds);
+    if (known.cheaper) known.warnings.push_back(text_of(*known.cheaper, known.time));
+  }
+  render::write_output(
+      looked_at(known, changes, {piece.states, piece.diverged},
+                std::max(ready + seconds - used(), kLook * seconds), [&](const Known& found) {
+                  return common.json ? program::json_text(as_json(found, common.threads)) + '\n'
+                                     : as_text(found, common.threads);
+                }));
   return program::kDone;
 }
 

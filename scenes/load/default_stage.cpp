@@ -58,15 +58,27 @@ double radius_at(const Connector& connector, std::size_t particle) {
   return std::cbrt(3 * extra / (4 * std::numbers::pi * kSteel));
 }
 
+/// The boxes of a scene's bodies, as their models or their inertia have them, in their frames.
+std::vector<Box> boxes_of(const Scene& scene) {
+  std::vector<Box> boxes;
+  for (std::size_t b = 0; b < scene.world.bodies.size(); ++b) {
+    const Model* model = scene.stage ? scene.stage->body_models.at(b).get() : nullptr;
+    boxes.push_back(model ? box_of(*model) : box_of(scene.world.bodies[b].bare));
+  }
+  return boxes;
+}
+
+std::vector<Vec3> corners(const Box& box, const Pose& frame) {
+  std::vector<Vec3> all;
+  for (int corner = 0; corner < 8; ++corner)
+    all.push_back(frame.to_world(box.corner(static_cast<Box::CornerType>(corner))));
+  return all;
+}
+
 /// Everything there is to see of a scene, state by state.
 class Seen {
  public:
-  explicit Seen(const Scene& scene) : scene_(scene) {
-    for (std::size_t b = 0; b < scene.world.bodies.size(); ++b) {
-      const Model* model = scene.stage ? scene.stage->body_models.at(b).get() : nullptr;
-      boxes_.push_back(model ? box_of(*model) : box_of(scene.world.bodies[b].bare));
-    }
-  }
+  explicit Seen(const Scene& scene) : scene_(scene), boxes_(boxes_of(scene)) {}
 
   std::vector<Vec3> points(const Snapshot& state) const {
     std::vector<Vec3> all;
@@ -80,16 +92,9 @@ class Seen {
                           side * radius_at(scene_.world.connectors[c], end) * way);
     }
     for (std::size_t b = 0; b < state.bodies.size(); ++b) {
-      const std::vector<Vec3> own = corners(b, state.bodies[b]);
+      const std::vector<Vec3> own = corners(boxes_.at(b), state.bodies[b]);
       all.insert(all.end(), own.begin(), own.end());
     }
-    return all;
-  }
-
-  std::vector<Vec3> corners(std::size_t body, const Pose& frame) const {
-    std::vector<Vec3> all;
-    for (int corner = 0; corner < 8; ++corner)
-      all.push_back(frame.to_world(boxes_.at(body).corner(static_cast<Box::CornerType>(corner))));
     return all;
   }
 
@@ -368,14 +373,19 @@ void give_boxes(Scene& scene) {
 
 }  // namespace
 
-std::vector<Outline> outlines(const Scene& scene, const Snapshot& state) {
+Outlines::Outlines(const Scene& scene) : boxes_(boxes_of(scene)) {
   const World world = divided(scene.world, scene.timeline);
+  for (const Connector& connector : world.connectors)
+    connectors_.push_back("connector " + connector.name);
+  for (const Body& body : world.bodies) bodies_.push_back("body " + body.name);
+}
+
+std::vector<Outline> Outlines::of(const Snapshot& state) const {
   std::vector<Outline> all;
   for (std::size_t c = 0; c < state.connectors.size(); ++c)
-    all.push_back({"connector " + world.connectors.at(c).name, state.connectors[c]});
-  const Seen seen(scene);
+    all.push_back({connectors_.at(c), state.connectors[c]});
   for (std::size_t b = 0; b < state.bodies.size(); ++b)
-    all.push_back({"body " + world.bodies.at(b).name, seen.corners(b, state.bodies[b])});
+    all.push_back({bodies_.at(b), corners(boxes_.at(b), state.bodies[b])});
   return all;
 }
 

@@ -26,7 +26,16 @@ struct Outline {
   std::vector<Vec3> points;
 };
 
-/// Every connector and body in that state; bodies as their models or their inertia have them.
-std::vector<Outline> outlines(const Scene& scene, const Snapshot& state);
+/// The outlines of every connector and body of a scene, which must outlive this; bodies as their
+/// models or their inertia have them.
+class Outlines {
+ public:
+  explicit Outlines(const Scene& scene);
+  std::vector<Outline> of(const Snapshot& state) const;
+
+ private:
+  std::vector<std::string> connectors_, bodies_;  // their names
+  std::vector<Eigen::AlignedBox3d> boxes_;        // of the bodies, in their frames
+};
 
 }  // namespace taut::scenes

@@ -30,19 +30,6 @@ struct Sight {
   double first_hidden = 0, last_hidden = 0;  // s
 };
 
-/// The times at which the clip shows the scene, rising, as far apart as samples need to be.
-std::map<double, std::vector<const Shot*>> times_of_clip(const Scene& scene) {
-  std::map<double, std::vector<const Shot*>> times;
-  const int every = std::max(1, static_cast<int>(std::lround(scene.fps / kSamples)));
-  const std::vector<Shot>& shots = scene.stage->shots;
-  for (int frame = 0; frame < scene.frames(); frame += every) {
-    const double time = static_cast<double>(frame) / scene.fps;
-    for (const Shot& shot : shots)
-      if (shot.from <= time && time < shot.until) times[time].push_back(&shot);
-  }
-  return times;
-}
-
 bool is_shown(const Scene& scene, const std::vector<const Shot*>& shots, double time,
               const Outline& thing) {
   const double aspect = static_cast<double>(scene.width) / scene.height;
@@ -55,35 +42,42 @@ bool is_shown(const Scene& scene, const std::vector<const Shot*>& shots, double 
   });
 }
 
-void look_through_camera(const Scene& scene, double seconds, const std::function<void()>& tick,
+void look_through_camera(const Scene& scene, const KnownRun& run,
                          std::vector<std::string>& warnings) {
-  const WorkLimit limit({.cpu_time = seconds});
-  double looked_at = 0;  // s
   std::map<std::string, Sight> sights;
-  Simulation simulation = start(scene);
-  try {
-    for (const auto& [time, shots] : times_of_clip(scene)) {
-      tick();
-      check_stop();
-      simulation.advance_to(time);
-      looked_at = time;
-      for (const Outline& thing : outlines(scene, simulation.state())) {
-        Sight& sight = sights[thing.name];
-        if (is_shown(scene, shots, time, thing)) {
-          ++sight.shown;
-          continue;
-        }
-        if (sight.hidden++ == 0) sight.first_hidden = time;
-        sight.last_hidden = time;
-      }
+  const Outlines outlines(scene);
+  const int every = frames_between_looks(scene);
+  std::size_t looks = 0, unknown = 0;
+  for (int frame = 0; frame < scene.frames(); frame += every, ++looks) {
+    check_stop();
+    const double time = static_cast<double>(frame) / scene.fps;
+    std::vector<const Shot*> shots;
+    for (const Shot& shot : scene.stage->shots)
+      if (shot.from <= time && time < shot.until) shots.push_back(&shot);
+    if (shots.empty()) continue;
+    if (looks >= run.states.size()) {
+      ++unknown;
+      continue;
     }
-  } catch (const OverLimit&) {
-    if (!limit.reached()) throw;
-    warnings.push_back(fmt::format(
-        "what the camera shows after {:.4g} s is left out: it takes more than {} s of CPU time",
-        looked_at, seconds));
-  } catch (const Diverged& error) {
-    warnings.push_back(fmt::format("the simulation diverges: {}", error.what()));
+    for (const Outline& thing : outlines.of(run.states[looks])) {
+      Sight& sight = sights[thing.name];
+      if (is_shown(scene, shots, time, thing)) {
+        ++sight.shown;
+        continue;
+      }
+      if (sight.hidden++ == 0) sight.first_hidden = time;
+      sight.last_hidden = time;
+    }
+  }
+  if (!run.diverged.empty()) {
+    warnings.push_back(fmt::format("the simulation diverges: {}", run.diverged));
+  } else if (unknown > 0) {
+    warnings.push_back(
+        run.states.empty()
+            ? std::string("what the camera shows is left out: it is too much to simulate")
+            : fmt::format("what the camera shows after {:.3g} s is left out: it is too much to "
+                          "simulate",
+                          run.states.back().time));
   }
   for (const auto& [name, sight] : sights) {
     if (sight.hidden == 0) continue;
@@ -218,8 +212,11 @@ void look_at_winches(const World& world, double until, std::vector<std::string>&
 
 }  // namespace
 
-std::vector<std::string> warnings_of(const Scene& scene, double seconds,
-                                     const std::function<void()>& tick) {
+int frames_between_looks(const Scene& scene) {
+  return std::max(1, static_cast<int>(std::lround(scene.fps / kSamples)));
+}
+
+std::vector<std::string> warnings_of(const Scene& scene, const KnownRun& run) {
   std::vector<std::string> warnings;
   const bool anything =
       !scene.world.connectors.empty() ||
@@ -233,7 +230,7 @@ std::vector<std::string> warnings_of(const Scene& scene, double seconds,
   if (!scene.stage) return warnings;
   std::ranges::copy(left_out(*scene.stage), std::back_inserter(warnings));
   look_at_hands(scene, warnings);
-  look_through_camera(scene, seconds, tick, warnings);
+  look_through_camera(scene, run, warnings);
   return warnings;
 }
 

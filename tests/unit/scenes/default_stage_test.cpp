@@ -48,10 +48,11 @@ TEST_F(DefaultStage, TheCameraSeesAllThatMovesOverTheWholeClip) {
   ASSERT_TRUE(scene.stage);
   const scenes::CameraView camera = scenes::camera_at(scene.stage->shots.at(0).camera, 0);
   Simulation simulation = scenes::start(scene);
+  const scenes::Outlines outlines(scene);
   double widest = 0;
   for (int frame = 0; frame < scene.frames(); ++frame) {
     simulation.advance_to(static_cast<double>(frame) / scene.fps);
-    for (const scenes::Outline& thing : scenes::outlines(scene, simulation.state()))
+    for (const scenes::Outline& thing : outlines.of(simulation.state()))
       for (const Vec3& point : thing.points) {
         const auto at = scenes::on_picture(camera, 16.0 / 9, point);
         ASSERT_TRUE(at) << thing.name;
@@ -69,9 +70,10 @@ TEST_F(DefaultStage, TheGroundIsWhereNothingGoesBelow) {
   for (const scenes::Vertex& vertex : scene.stage->scenery[0]->meshes[0].vertices)
     top = std::min(top, static_cast<double>(vertex.position[1]));
   Simulation simulation = scenes::start(scene);
+  const scenes::Outlines outlines(scene);
   for (int frame = 0; frame < scene.frames(); ++frame) {
     simulation.advance_to(static_cast<double>(frame) / scene.fps);
-    for (const scenes::Outline& thing : scenes::outlines(scene, simulation.state()))
+    for (const scenes::Outline& thing : outlines.of(simulation.state()))
       for (const Vec3& point : thing.points) lowest = std::min(lowest, point.y());
   }
   EXPECT_LT(top, lowest);
@@ -137,7 +139,7 @@ TEST_F(DefaultStage, TheCoveIsAroundTheCameraAndAllThatMoves) {
     cove.extend(Eigen::Vector3f(vertex.position.data()).cast<double>());
   const scenes::CameraView camera = scenes::camera_at(scene.stage->shots.at(0).camera, 0);
   EXPECT_TRUE(cove.contains(camera.position));
-  for (const scenes::Outline& thing : scenes::outlines(scene, scenes::start(scene).state()))
+  for (const scenes::Outline& thing : scenes::Outlines(scene).of(scenes::start(scene).state()))
     for (const Vec3& point : thing.points) EXPECT_TRUE(cove.contains(point)) << thing.name;
 }
 

@@ -336,7 +336,7 @@ shape = { sphere = { diameter = 0.2 } }
 hangs = [0, -1, 0]
 contact = {}
 )";
-    return scenes::warnings_of(read(scene), 1, [] {});
+    return scenes::warnings_of(read(scene), {});
   };
   const std::vector<std::string> found = warnings("", 0.7);
   ASSERT_EQ(found.size(), 1u);
@@ -350,7 +350,7 @@ TEST_F(ObstacleScene, TooFewBeadsAreToldWithHowManyWouldDo) {
       "[obstacles.post]\nshape = { capsule = { length = 1, diameter = 0.02 } }\n"
       "position = [0.5, 0.4, 0]\n";
   const auto warnings = [&](const std::string& scene) {
-    return scenes::warnings_of(read(scene), 1, [] {});
+    return scenes::warnings_of(read(scene), {});
   };
   const std::vector<std::string> found = warnings(kScene + post);
   ASSERT_EQ(found.size(), 1u);
