@@ -122,10 +122,34 @@ def build(work):
     return (f"The program is {units['taut']} compile units, everything with its tests {units['all']} and {size} MB.")
 
 
+@result("choose", FRONT, measured=False)
+def choose(work):
+    """which method for what, from the tables of the study"""
+    ours = ("direct", "xpbd", "springs", "impulse")
+
+    def cheapest(result, column):
+        """Of our methods, the one of the least cost in that column, and its cost."""
+        tables = [cells(part) for part in work.place(RESULTS[result]).split("\n\n") if part.startswith("|")]
+        table = next(one for one in tables if column in one[0])
+        at = table[0].index(column)
+        costs = {row[0]: float(row[at].split()[0]) for row in table[1:] if row[0] in ours and row[at] != "-"}
+        method = min(costs, key=costs.get)
+        return f"`{method}`: {column.split(': ')[1]}, {costs[method]:g} ms"
+
+    swing = {row[0]: row for row in work.table(RESULTS["swing"])}
+    by_swing = [f"`{swing[error][1]}`: {error.split()[0]}, {swing[error][3]} ms" for error in ("10% of the length", "0.01% of the length")]
+    rows = [["I want", "roughly: method, error, CPU time per simulated second", "exactly"], ["ropes and sticks that swing", *by_swing]]
+    for want, result, scene, rough, exact in (
+            ("friction on posts", "friction", "Two turns and a half", "30 mm", "3 mm"),
+            ("hoses and rods that bend", "materials", "Hose in a wall", "10 mm", "0.1 mm"),
+            ("nets", "nets", "Net from a rail", "10 mm", "0.1 mm")):
+        rows.append([want, cheapest(result, f"{scene}: {rough}"), cheapest(result, f"{scene}: {exact}")])
+    return markdown(rows, ())
+
+
 @result("summary", FRONT, measured=False)
 def summary(work):
-    """seven lines from the other tables"""
-    swing = {row[0]: row for row in work.table(RESULTS["swing"])}["1% of the length"]
+    """four lines from the other tables"""
     engines = {row[0]: row[2] for row in work.table(RESULTS["engines"])}
     times = sorted(float(re.search(r"\(([\d.]+)x\)", engines[name])[1]) for name in ("bullet", "mujoco", "ode", "multibody")
                    if "x)" in engines.get(name, ""))
@@ -133,27 +157,21 @@ def summary(work):
     column = hard[0].index("direct")
     accurate = sum(row[column].startswith("accurate") for row in hard[1:])
     claims = [row[2] for row in work.table(RESULTS["claims"])[1:]]
-    saving = re.search(r"saving +([\d.]+) times", work.place(RESULTS["plan"]))[1]
     batch = work.table(RESULTS["batch"])
     ropes = next(row for row in batch if row[0].startswith("10,000") and "single" in row[0])
     clip = re.search(r"([\d.]+) s of drawing", work.place(RESULTS["clip"]))[1]
     beside = next(row for row in cells(work.place(RESULTS["beside"]).split("\n\n", 1)[1]) if row[0] == "mean")
     where = "sim/study/README.md"
     return f"""\
-- [Cost]({where}#speed-against-accuracy): on the rope swing `{swing[1]}` keeps the error below 1% of the length for \
-{swing[3]} ms of CPU time per simulated second. The next best method, `{swing[4]}`, costs {swing[5]} times as much.
-- [Other engines]({where}#other-engines): for an error below 1 mm on the same swing, Bullet, MuJoCo, ODE and Simbody \
+- [Other engines]({where}#other-engines): for an error below 1 mm on the rope swing, Bullet, MuJoCo, ODE and Simbody \
 take {times[0]:.0f} to {times[-1]:.0f} times as long as `direct`.
 - [Hard cases]({where}#where-methods-fail): `direct` stays within 1% in {accurate} of {len(hard) - 1} hard cases. The \
 table shows how the other methods fail.
 - [The paper]({where}#what-of-the-paper-reproduces): of its {len(claims)} claims {claims.count('reproduced')} reproduce, \
 {claims.count('under conditions')} reproduce under conditions, {claims.count('not reproduced')} do not.
-- [Planner]({where}#the-cheapest-model-that-is-good-enough): `taut plan` finds settings that keep a stick on a cord \
-within 1 mm and cost {saving} times less than those of its scene file.
 - [Speed](sim/README.md#many-connectors-at-once): 10,000 ropes of 21 particles run at {ropes[3]} times real time. A \
-1920x1080 frame of the demo takes [{clip} s of drawing](render/README.md#what-a-frame-costs) without a GPU.
-- [Pictures](render/README.md#a-pictures-truth): the demo differs from a path tracer by a FLIP error of {beside[1]}, \
-Blender's Eevee by {beside[2]}."""
+1920x1080 frame of the demo takes [{clip} s of drawing](render/README.md#what-a-frame-costs) without a GPU. The demo \
+[differs](render/README.md#a-pictures-truth) from a path tracer by a FLIP error of {beside[1]}, Blender's Eevee by {beside[2]}."""
 
 
 # The results in sim/study/README.md.
