@@ -121,6 +121,7 @@ program::Json needs_json(const options::Needs& needs, const RunTime& run, double
   json["time_s"] = run.unknown.empty() ? program::Json(run.seconds + more) : program::Json(nullptr);
   json["measured_until_s"] = run.simulated;
   json["at_least"] = run.at_least;
+  json["fails"] = run.diverges;
   const bool ranges = run.unknown.empty() && !run.at_least;
   json["least_s"] = ranges ? program::Json(run.least + more) : program::Json(nullptr);
   json["most_s"] = ranges ? program::Json(run.most + more) : program::Json(nullptr);
@@ -412,8 +413,10 @@ int check(const std::string& file, const std::vector<std::string>& set, double s
   if (known.time.unknown.empty()) {
     piece = run_piece(known.scene, kPiece * seconds);
     known.time = time_of_run(known.scene, ready, piece);
-    known.cheaper = cheaper_method(known.scene, known.time, piece, kCheaper * seconds);
-    if (known.cheaper) known.warnings.push_back(text_of(*known.cheaper, known.time));
+    known.cheaper = cheaper_method(known.scene, known.time, ready, piece, kCheaper * seconds);
+    std::string slow = known.cheaper ? text_of(*known.cheaper, known.time, known.scene)
+                                     : what_helps(known.scene, known.time);
+    if (!slow.empty()) known.warnings.push_back(std::move(slow));
   }
   render::write_output(
       looked_at(known, changes, {piece.states, piece.diverged},

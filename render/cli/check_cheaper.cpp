@@ -1,9 +1,12 @@
 #include "render/cli/check_cheaper.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
+#include <vector>
 
 #include "render/cli/check_records.h"
 #include "render/options/needs.h"
@@ -15,6 +18,7 @@ namespace taut::cli {
 namespace {
 
 constexpr std::string_view kMethod = "xpbd";  // equal steps, each of little work
+constexpr double kShortest = 1e-2;            // s of CPU time, of a look
 constexpr double kLeastTime = 5e-3;           // s; less is of no account
 constexpr double kDearer = 20;                // times, at least, to be worth a word
 constexpr double kApart = 0.01;               // of the longest connector
@@ -62,7 +66,7 @@ std::optional<Cheaper> compared(const scenes::Scene& scene, const MethodChoice& 
 }  // namespace
 
 std::optional<Cheaper> cheaper_method(const scenes::Scene& scene, const RunTime& time,
-                                      const Piece& piece, double seconds) {
+                                      double started, const Piece& piece, double seconds) {
   const MethodInfo* info = find_method(kMethod);
   if (scene.method.name == kMethod || !info || !follows(*info, scene.world) || piece.over ||
       time.at_least || time.least < kDearer * kLeastTime) {
@@ -79,20 +83,44 @@ std::optional<Cheaper> cheaper_method(const scenes::Scene& scene, const RunTime&
   // With shorter and shorter steps, as long as it is cheap.
   for (double steps = std::ceil(frame / step_of(with_defaults(method)));; steps *= 4) {
     method.settings["step"] = frame / steps;
-    const auto found = compared(scene, method, piece, most);
-    if (!found || !(kDearer * found->seconds < time.least)) return std::nullopt;
+    const double before = render::children_seconds();
+    auto found = compared(scene, method, piece, most);
+    if (!found) return std::nullopt;
+    found->seconds += started;
+    if (!(kDearer * found->seconds < time.least)) return std::nullopt;
     if (found->apart <= kApart * length) return found;
-    most -= found->seconds * found->until / end_of(scene);
+    most -= render::children_seconds() - before;
+    if (most < kShortest) return std::nullopt;
   }
 }
 
-std::string text_of(const Cheaper& cheaper, const RunTime& time) {
+std::string text_of(const Cheaper& cheaper, const RunTime& time, const scenes::Scene& scene) {
+  const double step = number(cheaper.method.settings, "step");
   return fmt::format(
-      "the scene's method takes {}, {} (step = {:.3g}) {}; until {:.2g} s they are {:.2g} mm apart "
-      "at most",
-      options::time_text(time.seconds), cheaper.method.name,
-      number(cheaper.method.settings, "step"), options::time_text(cheaper.seconds), cheaper.until,
-      1e3 * cheaper.apart);
+      "{0} takes {1}; --method {2} --step {3:.6g} takes {4} and is within {5:.2g} mm of it "
+      "({6:.2g}% "
+      "of the length) until {7:.2g} s, as far as they were compared",
+      scene.method.name, options::time_text(time.seconds), cheaper.method.name, step,
+      options::time_text(cheaper.seconds), 1e3 * cheaper.apart,
+      100 * cheaper.apart / length_scale(scene.world), cheaper.until);
+}
+
+std::string what_helps(const scenes::Scene& scene, const RunTime& time) {
+  constexpr double kLong = 60;  // s
+  if (!time.unknown.empty() || time.least < kLong) return {};
+  const Settings settings = with_defaults(scene.method);
+  const auto value = [&](const char* name) { return std::get<double>(settings.at(name)); };
+  std::vector<std::string> ways;
+  if (settings.contains("tolerance"))
+    ways.push_back(fmt::format("a tolerance above {:.3g} m", value("tolerance")));
+  if (step_of(settings) > 0) ways.push_back(fmt::format("a step above {:.3g} s", value("step")));
+  std::size_t particles = 0;
+  for (const Connector& connector : scene.world.connectors) particles += connector.particles();
+  if (particles > 0) ways.push_back(fmt::format("fewer particles than {}", particles));
+  return fmt::format(
+      "{} takes {} or more; what may shorten that: {} (less accurate), --no-estimate (no estimate "
+      "of the error)",
+      scene.method.name, options::time_text(time.least), fmt::join(ways, ", "));
 }
 
 }  // namespace taut::cli

@@ -16,12 +16,15 @@ struct Cheaper {
 };
 
 /// A method with which the run would take less than a twentieth of `time`, and whose states are no
-/// more than 1% of the longest connector from those of the piece. `seconds`: CPU time to look for
-/// it.
+/// more than 1% of the longest connector from those of the piece. `started` (s): as time_of_run()
+/// takes it. `seconds`: CPU time to look for such a method.
 std::optional<Cheaper> cheaper_method(const scenes::Scene& scene, const RunTime& time,
-                                      const Piece& piece, double seconds);
+                                      double started, const Piece& piece, double seconds);
 
 /// What to tell of it.
-std::string text_of(const Cheaper& cheaper, const RunTime& time);
+std::string text_of(const Cheaper& cheaper, const RunTime& time, const scenes::Scene& scene);
+
+/// The settings that a run of more than a minute may be shortened with, as a sentence; or nothing.
+std::string what_helps(const scenes::Scene& scene, const RunTime& time);
 
 }  // namespace taut::cli

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
+#include <utility>
 
 #include "render/cli/check_records.h"
 #include "render/export/csv.h"
@@ -35,13 +37,40 @@ void each_number(State& state, Visit visit) {
   }
 }
 
+std::string bytes_of(const Snapshot& state) {
+  std::string bytes;
+  each_number(state, [&](double number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  });
+  return bytes;
+}
+
+/// Back into a state of the same parts.
+std::optional<Snapshot> state_of(std::string_view bytes, const Snapshot& shape) {
+  Snapshot state = shape;
+  bool enough = true;
+  each_number(state, [&](double& number) {
+    enough = enough && bytes.size() >= sizeof number;
+    if (!enough) return;
+    std::memcpy(&number, bytes.data(), sizeof number);
+    bytes.remove_prefix(sizeof number);
+  });
+  if (!enough || !bytes.empty()) return std::nullopt;
+  return state;
+}
+
+/// The parts that all states of the scene's simulation have.
+Snapshot shape_of(const scenes::Scene& scene) {
+  return snapshot(divided(scene.world, scene.timeline));
+}
+
 /// The run of taut simulate, as far as its cost goes.
 class Run {
  public:
-  Run(const scenes::Scene& scene, Simulation simulation, const Timeline& timeline)
-      : simulation_(std::move(simulation)),
-        estimate_(simulation_.world(), scene.method.name, scene.method.settings, timeline),
-        balance_(timeline) {}
+  explicit Run(const scenes::Scene& scene)
+      : simulation_(scenes::start(scene)),
+        estimate_(scene.world, scene.method.name, scene.method.settings, scene.timeline),
+        balance_(scene.timeline) {}
 
   /// To a frame, which is measured and written.
   void to_frame(double time) {
@@ -95,7 +124,7 @@ class Marks {
 void run_parts(const scenes::Scene& scene, const render::Say& say) {
   tell(say, Said::again, {thread_seconds()});
   Marks marks(say);
-  Run run(scene, scenes::start(scene), scene.timeline);
+  Run run(scene);
   marks.add(0, true);
   const double frame = 1.0 / scene.fps, step = step_of(with_defaults(scene.method));
   double part = step > 0 ? step : kFirstPart * frame;
@@ -108,7 +137,7 @@ void run_parts(const scenes::Scene& scene, const render::Say& say) {
 
 void run_frames(const scenes::Scene& scene, double seconds, const render::Say& say) {
   Marks marks(say);
-  Run run(scene, scenes::start(scene), scene.timeline);
+  Run run(scene);
   marks.add(0, true);
   const int every = scenes::frames_between_looks(scene);
   for (int frame = 0; frame < scene.frames(); ++frame) {
@@ -174,31 +203,6 @@ Piece run_piece(const scenes::Scene& scene, double seconds) {
     piece.next = piece.until() > 0 ? piece.until() : step > 0 ? step : kFirstPart / scene.fps;
   }
   return piece;
-}
-
-std::string bytes_of(const Snapshot& state) {
-  std::string bytes;
-  each_number(state, [&](double number) {
-    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
-  });
-  return bytes;
-}
-
-std::optional<Snapshot> state_of(std::string_view bytes, const Snapshot& shape) {
-  Snapshot state = shape;
-  bool enough = true;
-  each_number(state, [&](double& number) {
-    enough = enough && bytes.size() >= sizeof number;
-    if (!enough) return;
-    std::memcpy(&number, bytes.data(), sizeof number);
-    bytes.remove_prefix(sizeof number);
-  });
-  if (!enough || !bytes.empty()) return std::nullopt;
-  return state;
-}
-
-Snapshot shape_of(const scenes::Scene& scene) {
-  return snapshot(divided(scene.world, scene.timeline));
 }
 
 }  // namespace taut::cli

@@ -1,7 +1,6 @@
 // The first piece of a run, in a copy of this process that is stopped when its time is over.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,11 +32,5 @@ double end_of(const scenes::Scene& scene);
 
 /// Does what taut simulate does with the scene, for `seconds` of CPU time at most.
 Piece run_piece(const scenes::Scene& scene, double seconds);
-
-/// The numbers of a state, and back into a state of the same parts.
-std::string bytes_of(const Snapshot& state);
-std::optional<Snapshot> state_of(std::string_view bytes, const Snapshot& shape);
-/// The parts that all states of the scene's simulation have.
-Snapshot shape_of(const scenes::Scene& scene);
 
 }  // namespace taut::cli

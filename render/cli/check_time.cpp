@@ -39,7 +39,7 @@ RunTime time_of_run(const scenes::Scene& scene, double started, const Piece& pie
   const Mark& last = piece.marks.back();
   if (piece.over || last.time >= end) {
     const double run = started + last.cpu;
-    return {run, run, run, last.time, true, false, ""};
+    return {run, run, run, last.time, true, piece.over, false, ""};
   }
   result.simulated = last.time;
   const double left = end - last.time, tried = started + last.cpu + piece.unfinished;
@@ -71,6 +71,8 @@ RunTime time_of_run(const scenes::Scene& scene, double started, const Piece& pie
 std::string text_of(const RunTime& time) {
   if (!time.unknown.empty()) return "a time that is not known: it " + time.unknown;
   const std::string text = options::time_text(time.seconds);
+  if (time.diverges)
+    return fmt::format("{}, until it fails behind the frame at {:.3g} s", text, time.simulated);
   if (time.whole) return text;
   if (time.simulated == 0) {
     return fmt::format(

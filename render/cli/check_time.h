@@ -11,7 +11,8 @@ struct RunTime {
   double seconds = 0;          // of CPU time, of the whole run; between the next two
   double least = 0, most = 0;  // as parts of the piece tell
   double simulated = 0;        // s of the scene that were run to find it
-  bool whole = false;          // that is all of the scene
+  bool whole = false;          // that is all of the scene, or as far as it goes
+  bool diverges = false;       // the run ends there by an error
   /// Too little was run to tell more than that it takes longer.
   bool at_least = false;
   std::string unknown;  // why nothing was run; empty: it was

@@ -21,23 +21,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kProgram = 2e7;       // bytes: libraries, the scene file as it was read
-constexpr double kPart = 3e4;          // bytes
-constexpr double kIsland = 1.5e4;      // bytes: its own world and method
-constexpr double kStep = 1e-8;         // s, of a particle's step by the method of the least work
-constexpr double kRoom = 700;          // bytes, for a particle: that of the error's estimate, too
-constexpr double kPathKey = 500;       // bytes, of a key and the section behind it
-constexpr double kColumn = 19;         // bytes of a number in a CSV, mostly
-constexpr double kPixel = 4;           // bytes
-constexpr double kPixelOnDisk = 0.5;   // bytes: of the frame as PNG, and of the video
-constexpr double kDriver = 1e8;        // bytes: its libraries, and the models as they were read
-constexpr double kContext = 8e7;       // bytes: shaders, shadow maps, models as they are drawn
-constexpr double kVertex = 120;        // bytes: places, normals, triangles and what of them moves
-constexpr double kAlike = 30;          // bytes, of one on a connector shaped as the one before
-constexpr double kKeeping = 5e5;       // vertices; where more move, no backdrop is kept
-constexpr double kPixelTime = 1.5e-7;  // s, of a picture by a software rasteriser
-constexpr double kFrame = 500;         // bytes: what is known of a frame beside its states
-constexpr double kLong = 60;           // s
+constexpr double kProgram = 2e7;      // bytes: libraries, the scene file as it was read
+constexpr double kPart = 3e4;         // bytes
+constexpr double kIsland = 1.5e4;     // bytes: its own world and method
+constexpr double kStep = 1e-8;        // s, of a particle's step by the method of the least work
+constexpr double kRoom = 700;         // bytes, for a particle: that of the error's estimate, too
+constexpr double kPathKey = 500;      // bytes, of a key and the section behind it
+constexpr double kColumn = 19;        // bytes of a number in a CSV, mostly
+constexpr double kPixel = 4;          // bytes
+constexpr double kPixelOnDisk = 0.5;  // bytes: of the frame as PNG, and of the video
+constexpr double kDriver = 1e8;       // bytes: its libraries, and the models as they were read
+constexpr double kContext = 8e7;      // bytes: shaders, shadow maps, models as they are drawn
+constexpr double kVertex = 120;       // bytes: places, normals, triangles and what of them moves
+constexpr double kAlike = 30;         // bytes, of one on a connector shaped as the one before
+constexpr double kKeeping = 5e5;      // vertices; where more move, no backdrop is kept
+constexpr double kPixelTime = 2e-7;   // s, of a picture by a software rasteriser
+constexpr double kSkinTime = 4e-6;    // s, of a triangle of a character, which bends
+constexpr double kFrame = 500;        // bytes: what is known of a frame beside its states
+constexpr double kLong = 60;          // s
 
 /// In two digits: no more is known of it.
 std::string bytes_text(double bytes) {
@@ -192,7 +193,10 @@ Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int thr
   if (has_lens(stage)) canvas += (8 * 4.0 / 3 + 2) * pixels;  // with mipmaps, and half as wide
   needs.memory += film::frames_at_once(threads) * (kContext + canvas + connectors.memory);
   needs.disk = frames * pixels * kPixelOnDisk;
-  needs.time += frames * pixels * kPixelTime;
+  double skin = 0;  // triangles
+  for (const auto& character : stage.characters)
+    for (const scenes::Mesh& mesh : character->meshes) skin += double(mesh.indices.size()) / 3;
+  needs.time += frames * (pixels * kPixelTime + skin * kSkinTime);
   return needs;
 }
 

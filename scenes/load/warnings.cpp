@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
+#include <string_view>
+#include <utility>
 
 #include "scenes/character/reach.h"
 #include "scenes/load/default_stage.h"
@@ -114,9 +117,11 @@ double longest_link(double radius, double depth) {
   return 2 * std::sqrt(depth * (2 * radius - depth));
 }
 
-/// Connectors that overlap at the start and pass through each other.
-void look_at_connectors(const World& world, std::vector<std::string>& warnings) {
+/// Connectors that overlap, at the start or in a later state, and pass through each other.
+void look_at_connectors(const Scene& scene, const KnownRun& run,
+                        std::vector<std::string>& warnings) {
   constexpr std::size_t kMost = 300;  // connectors, of which all pairs are looked at
+  const World& world = scene.world;
   World other = world;
   other.connector_pairs.clear();
   std::vector<std::size_t> connector_of;
@@ -136,21 +141,52 @@ void look_at_connectors(const World& world, std::vector<std::string>& warnings) 
   contact::NearLinks near;
   near.rebuild(other);
   if (!near.any()) return;
+  std::set<std::pair<std::string_view, std::string_view>> told;
   std::vector<contact::LinkPair> pairs;
-  near.find({places.data()->data(), 3 * places.size()}, 0, pairs);
-  for (const contact::LinkPair& pair : pairs) {
-    const std::string_view a = written_name(world.connectors[connector_of[pair.a]].name),
-                           b = written_name(world.connectors[connector_of[pair.b]].name);
-    std::string text =
-        a == b ? fmt::format(
-                     "connectors {} pass through each other: touches_itself = true lets "
-                     "them touch",
-                     a)
-               : fmt::format(
-                     "connectors {} and {} pass through each other: a table of touching "
-                     "with both lets them touch",
-                     a, b);
-    if (std::ranges::find(warnings, text) == warnings.end()) warnings.push_back(std::move(text));
+  const auto look = [&](double time) {
+    near.find({places.data()->data(), 3 * places.size()}, 0, pairs);
+    for (const contact::LinkPair& pair : pairs) {
+      const std::string_view a = written_name(world.connectors[connector_of[pair.a]].name),
+                             b = written_name(world.connectors[connector_of[pair.b]].name);
+      if (!told.emplace(a, b).second) continue;
+      const std::string when = time > 0 ? fmt::format(" at {:.3g} s", time) : "";
+      warnings.push_back(
+          a == b ? fmt::format("connectors {} pass through each other{}: touches_itself = true "
+                               "lets them touch",
+                               a, when)
+                 : fmt::format("connectors {} and {} pass through each other{}: a table of "
+                               "touching with both lets them touch",
+                               a, b, when));
+    }
+  };
+  look(0);
+  if (!scene.timeline.pins.empty() || !scene.timeline.cuts.empty()) return;  // other particles
+  for (const Snapshot& state : run.states) {
+    check_stop();
+    places.clear();
+    for (const std::vector<Vec3>& particles : state.connectors)
+      places.insert(places.end(), particles.begin(), particles.end());
+    look(state.time);
+  }
+}
+
+/// Free bodies that come into an obstacle, which nothing says that they touch.
+void look_at_bodies(const Scene& scene, const KnownRun& run, std::vector<std::string>& warnings) {
+  const World& world = scene.world;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const Body& body = world.bodies[b];
+    if (body.driven() || body.capsule.touches()) continue;
+    for (const Obstacle& obstacle : world.obstacles) {
+      const auto inside = std::ranges::find_if(run.states, [&](const Snapshot& state) {
+        const Vec3 centre = state.bodies[b].to_world(body.mass_properties.centre);
+        return gap(obstacle, obstacle.frame(state.time).pose(), centre, 0).distance < 0;
+      });
+      if (inside == run.states.end()) continue;
+      warnings.push_back(
+          fmt::format("body {} passes through obstacle {} at {:.3g} s: contact = {{}} in the body "
+                      "lets it touch",
+                      body.name, obstacle.name, inside->time));
+    }
   }
 }
 
@@ -224,7 +260,8 @@ std::vector<std::string> warnings_of(const Scene& scene, const KnownRun& run) {
   if (!anything) {
     warnings.emplace_back("nothing is simulated: there is no connector and no free body");
   }
-  look_at_connectors(scene.world, warnings);
+  look_at_connectors(scene, run, warnings);
+  look_at_bodies(scene, run, warnings);
   look_at_beads(scene.world, warnings);
   look_at_winches(scene.world, scene.duration, warnings);
   if (!scene.stage) return warnings;
