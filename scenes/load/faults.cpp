@@ -44,6 +44,13 @@ bool remove(Value& from, const std::string& path) {
   });
 }
 
+/// Also what a scene without a stage does not show.
+void read_all(const Document& document) {
+  if (read_scene(document, true).stage) return;
+  Motions(document).check_characters();
+  check_models(document);
+}
+
 class Search {
  public:
   explicit Search(Document document) : document_(std::move(document)) {}
@@ -59,12 +66,13 @@ class Search {
     while (!stuck_) {
       if (found_.count() >= FirstFaults::kMost) return {std::move(found_).list(), std::nullopt};
       try {
-        Scene scene = read_scene(document_, true);
-        if (!scene.stage) Motions(document_).check_characters();
-        if (!scene.stage) check_models(document_);
+        read_all(document_);
         break;
       } catch (const SceneFault& fault) {
-        if (!follows(fault)) note(fault);
+        if (!follows(fault)) {
+          note(fault);
+          look_beside(fault);
+        }
         leave_out(entry_of(fault.place.key));
       } catch (const BadScene& fault) {
         found_.add({fault.what(), {.file = document_.file.string(), .fault = fault.what()}});
@@ -80,13 +88,57 @@ class Search {
     wrong_.insert(entry_of(fault.place.key));
   }
 
+  /// Other faults of the same entry: its first ones hide them, unless a look without their keys
+  /// shows them. A fault of what lacks such a key is none.
+  void look_beside(const SceneFault& fault) {
+    constexpr int kLooks = 20;
+    const std::string entry = entry_of(fault.place.key);
+    Document rest = document_;
+    std::vector<std::string> without;
+    std::set<std::string> others;  // names of entries that have faults of their own
+    std::string key = fault.place.key;
+    for (int look = 0; look < kLooks && found_.count() < FirstFaults::kMost; ++look) {
+      const std::string wrong = entry_of(key);
+      if (wrong != entry) {
+        others.insert(wrong.substr(wrong.find('.') + 1));
+        key = wrong;
+      } else {
+        without.push_back(key);
+      }
+      if (key == entry || !remove(rest.root, key)) return;
+      try {
+        read_all(rest);
+        return;
+      } catch (const SceneFault& other) {
+        key = other.place.key;
+        if (entry_of(key) != entry) continue;
+        const Value* value = value_at(document_.root, key);
+        const bool lacks = !value || others.contains(value->text) ||
+                           other.place.fault.find("needs ") != std::string::npos ||
+                           std::ranges::any_of(without, [&](const std::string& gone) {
+                             return gone.starts_with(key);
+                           });
+        if (lacks || follows(other)) return;
+        note(other);
+      } catch (const BadScene&) {
+        return;
+      }
+    }
+  }
+
   void leave_out(std::string entry) {
     // Of a list of tables one is left out, of a list of numbers all.
     const Value* element = value_at(document_.root, entry);
     if (element && entry.ends_with(']') && element->kind != Value::Kind::table) {
       entry.resize(entry.rfind('['));
     }
-    // Without a duration there is no scene, and without what cannot be left out no other look.
+    const bool lasts = document_.root.find("duration") != nullptr;
+    if ((entry == "duration" || (entry.empty() && !lasts)) && !lasts_) {  // no scene without one
+      change(document_, "duration", "60");
+      lasts_ = true;
+      return;
+    }
+    // Without what cannot be left out there is no other look.
     if (entry.empty() || entry == "duration" || !remove(document_.root, entry)) {
       stuck_ = true;
       return;
@@ -104,14 +156,23 @@ class Search {
     if (value && value->kind == Value::Kind::text && gone_.contains(value->text)) return true;
     if (connectors_gone_ && (key.ends_with(".hangs") || key.ends_with(".connector"))) return true;
     if (bodies_gone_ && key.ends_with(".body")) return true;
+    if (lasts_ && fault.place.fault.find("duration") != std::string::npos) return true;
     // A connector as a whole: its ends have no place without what held them.
     return (connectors_gone_ || bodies_gone_) && key.starts_with("connectors.") &&
-           key == entry_of(key);
+           key == entry_of(key) && value && hangs_on_others(*value);
+  }
+
+  /// True for what names a body or a connector, and so may have no place without another.
+  static bool hangs_on_others(const Value& value) {
+    static const std::set<std::string_view> others = {"body", "connector", "bone"};
+    return others.contains(value.name) || std::ranges::any_of(value.children, hangs_on_others);
   }
 
   Document document_;
   FirstFaults found_;
   std::set<std::string> wrong_, gone_;
+  /// Whether it lasts as long as somebody had to choose for it.
+  bool lasts_ = false;
   bool stuck_ = false, connectors_gone_ = false, bodies_gone_ = false;
 };
 

@@ -64,6 +64,34 @@ TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
   EXPECT_TRUE(table.is_as_accepted());
 }
 
+// Of different kinds, in different entries and in the same one.
+TEST(BadScene, AllFaultsAreToldAtOnce) {
+  std::string text(kGoodScene);
+  const auto spoil = [&](std::string_view good, std::string_view bad) {
+    ASSERT_NE(text.find(good), std::string::npos) << good;
+    text.replace(text.find(good), good.size(), bad);
+  };
+  spoil("duration = 1.0\n", "");
+  spoil("hold = 0.1", "hold = 0.1, colour = 3");
+  spoil("step = 0.001", "step = 0.005");
+  spoil("rotation = [1, 0, 0, 0]", "rotation = [0, 0, 0, 0]");
+  spoil("at = 0.06\n", "at = 0.6\n");
+  text +=
+      "[connectors.tight]\nlength = 1\nmass = 0.1\nparticles = 5\n"
+      "from = { fixed = [0, 0, 0] }\nto = { fixed = [3, 0, 0] }\n"
+      "[bodies.round]\nmass = 1\nshape = { sphere = { diameter = 0.1 } }\n"
+      "position = [0, 0, 0]\nrotation = [0, 0, 0, 0]\nmesh = \"none.glb\"\n";
+  const Folder folder;
+  folder.write("scene.toml", text);
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(outcome.code, 3);
+  for (const char* says :
+       {"duration is missing", "paths.hand.keys[1].colour", "method.step",
+        "connectors.tight: the ends are 3 m apart", "bodies.round.rotation", "bodies.round.mesh"}) {
+    EXPECT_NE(outcome.messages.find(says), std::string::npos) << says << '\n' << outcome.messages;
+  }
+}
+
 TEST(BadScene, AMethodThatFollowsLinksAloneTakesNoSpans) {
   const Folder folder;
   folder.write("scene.toml",
