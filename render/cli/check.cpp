@@ -49,9 +49,9 @@ constexpr int kSamples = 4;      // per pixel, as taut render takes them
 constexpr double kWhole = 1;     // s of CPU time, of the whole check
 constexpr double kLeast = 0.25;  // s of CPU time, whatever reading the scene takes
 // Of what reading leaves of it.
-constexpr double kPiece = 0.7;    // a piece of the run
-constexpr double kCheaper = 0.2;  // a cheaper method, to compare with
-constexpr double kLook = 0.1;     // the camera and what it shows, at least
+constexpr double kPiece = 0.84;   // a piece of the run
+constexpr double kCheaper = 0.1;  // a cheaper method, to compare with
+constexpr double kLook = 0.06;    // the camera and what it shows, at least
 
 constexpr double kLookedAt = 1e9;  // bytes; what takes more is not simulated for a look
 
@@ -394,6 +394,7 @@ int check(const std::string& file, const std::vector<std::string>& set, double s
   };
   const std::vector<scenes::SceneChange> changes = options::scene_changes(set);
   Known known;
+  const double read_from = render::process_seconds();
   try {
     known.scene = scenes::load_scene(file, true, changes);
   } catch (const scenes::BadScene&) {  // the first of its faults
@@ -401,6 +402,8 @@ int check(const std::string& file, const std::vector<std::string>& set, double s
     if (faults.first.empty()) throw;
     throw program::BadScenes(std::move(faults));
   }
+  // Models are read by other processes; a simulation needs none.
+  const double reading = started + render::process_seconds() - read_from;
   const double ready = used(), seconds = std::max(kWhole - ready, kLeast);
   known.staged = known.scene.stage.has_value();
   if (known.staged) {
@@ -412,8 +415,8 @@ int check(const std::string& file, const std::vector<std::string>& set, double s
   known.time.unknown = why_not_tried(known.scene);
   if (known.time.unknown.empty()) {
     piece = run_piece(known.scene, kPiece * seconds);
-    known.time = time_of_run(known.scene, ready, piece);
-    known.cheaper = cheaper_method(known.scene, known.time, ready, piece, kCheaper * seconds);
+    known.time = time_of_run(known.scene, reading, piece);
+    known.cheaper = cheaper_method(known.scene, known.time, reading, piece, kCheaper * seconds);
     std::string slow = known.cheaper ? text_of(*known.cheaper, known.time, known.scene)
                                      : what_helps(known.scene, known.time);
     if (!slow.empty()) known.warnings.push_back(std::move(slow));
