@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "render/cli/check_cheaper.h"
+#include "scenes/load/load_scene.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
@@ -154,19 +156,58 @@ shape = { plane = {} }
   EXPECT_FALSE(tells(with("contact = {}"), "passes", "floor"));
 }
 
-// dynamic-constraints with a dense solver takes hundreds of times as long as xpbd, which comes to
-// the same as the rope has hardly any mass.
+scenes::Scene rope_of_direct(const Folder& folder) {
+  folder.write("scene.toml", hanging_rope(0.5, 30, 20, "name = \"direct\""));
+  return scenes::load_scene(folder.path() / "scene.toml", false);
+}
+
 TEST(Check, NamesACheaperMethodThatAgrees) {
-  const nlohmann::json json =
-      checked(hanging_rope(0.5, 30, 150, "name = \"dynamic-constraints\"\nsolver = \"dense\""));
-  ASSERT_FALSE(json.at("cheaper").is_null()) << json;
-  EXPECT_EQ(json.at("cheaper").at("method"), "xpbd");
-  EXPECT_LE(json.at("cheaper").at("apart_m"), 0.01);
-  EXPECT_LT(20 * json.at("cheaper").at("time_s").get<double>(),
-            json.at("simulate").at("time_s").get<double>());
-  EXPECT_TRUE(tells(json.at("warnings"), "--method xpbd --step ", "as far as they were compared"));
-  // A method that is as cheap is worth no word.
-  EXPECT_TRUE(checked(hanging_rope(0.5, 30, 20, "name = \"impulse\"")).at("cheaper").is_null());
+  const Folder folder;
+  const scenes::Scene scene = rope_of_direct(folder);
+  cli::Piece piece;
+  Simulation simulation = scenes::start(scene);
+  for (int frame = 0; frame < scene.frames(); ++frame) {
+    simulation.advance_to(frame / 30.0);
+    piece.states.push_back(simulation.state());
+  }
+  cli::RunTime time;
+  time.seconds = time.least = time.most = 1e4;
+  const auto cheaper = cli::cheaper_method(scene, time, 0, piece, 100);
+  ASSERT_TRUE(cheaper);
+  EXPECT_EQ(cheaper->method.name, "xpbd");
+  EXPECT_GT(cheaper->apart, 0);
+  EXPECT_LE(cheaper->apart, 0.01);
+  EXPECT_NEAR(cheaper->until, 14 / 30.0, 1e-9);
+  EXPECT_NE(cli::text_of(*cheaper, time, scene).find("--method xpbd --step "), std::string::npos);
+
+  EXPECT_FALSE(cli::cheaper_method(scene, time, 1e3, piece, 100)) << "reading takes a tenth of it";
+  piece.states.resize(2);
+  EXPECT_FALSE(cli::cheaper_method(scene, time, 0, piece, 100)) << "nothing moved yet";
+}
+
+TEST(Check, TellsARunFromItsPiece) {
+  const Folder folder;
+  const scenes::Scene scene = rope_of_direct(folder);
+  const double frame = 1 / 30.0;
+  cli::Piece piece;
+  piece.marks = {{0, 0}, {frame, 1}, {2 * frame, 2}};
+  piece.unfinished = 1, piece.next = frame;
+  const cli::RunTime even = cli::time_of_run(scene, 0.5, piece);
+  EXPECT_NEAR(even.seconds, 0.5 + 3 + 12, 1e-9);
+  EXPECT_FALSE(even.at_least);
+
+  piece.marks = {{0, 0}, {frame, 1}, {2 * frame, 4}};
+  piece.unfinished = 0;
+  const cli::RunTime rising = cli::time_of_run(scene, 0, piece);
+  EXPECT_NEAR(rising.most, 4 + 12 * 3, 1e-9);
+  EXPECT_GT(rising.seconds, rising.least);
+  EXPECT_LT(rising.seconds, rising.most);
+
+  piece.marks = {{0, 0.1}};
+  piece.unfinished = 0.5;
+  const cli::RunTime no_step = cli::time_of_run(scene, 0, piece);
+  EXPECT_TRUE(no_step.at_least);
+  EXPECT_NEAR(no_step.seconds, 0.6 + 0.5 * 14, 1e-9);
 }
 
 // What takes more memory than a look may is not run at all.
