@@ -81,7 +81,8 @@ std::optional<Cheaper> cheaper_method(const scenes::Scene& scene, const RunTime&
   const double frame = 1.0 / scene.fps;
   double most = seconds;
   // With shorter and shorter steps, as long as it is cheap.
-  for (double steps = std::ceil(frame / step_of(with_defaults(method)));; steps *= 4) {
+  const double own = step_of(with_defaults(*info, {}, scene.world));
+  for (double steps = std::ceil(frame / own);; steps *= 4) {
     method.settings["step"] = frame / steps;
     const double before = render::children_seconds();
     auto found = compared(scene, method, piece, most);

@@ -23,7 +23,7 @@ constexpr double kMaterialTolerance = 1e-3;  // of the scored error
 
 // How often the second solver's step is halved until it agrees to the end; in vain: until it agrees
 // no longer than before, so often in a row.
-constexpr int kHalvings = 8, kInVain = 3;
+constexpr int kHalvings = 5, kInVain = 2;
 
 constexpr double kSteppedAgreement = 0.1;  // of the scored error
 

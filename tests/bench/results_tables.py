@@ -223,7 +223,7 @@ def together(work):
     files = sorted(str(path.relative_to(work.source)) for path in (work.source / "scenes/together").glob("*.toml"))
     files.append("scenes/contact/capstan.toml")
     methods = "direct,springs,xpbd"
-    table = cheapest(work, files, [1e-1, 1e-2, 1e-3, 1e-4], methods,
+    table = cheapest(work, files, [1e-1, 1e-2, 1e-3], methods,
                      lambda file: "--budget 15 --quick" + ("" if "[[stage.shots]]" in (work.source / file).read_text()
                                                            else " --set duration=0.2"))
     work.commands = [f"taut work-precision {' '.join(files)} --methods {methods} --budget 15 --quick "
