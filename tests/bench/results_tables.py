@@ -221,7 +221,6 @@ def scenes(work):
 def together(work):
     """the cheapest method at shares of the length, where features stand together"""
     files = sorted(str(path.relative_to(work.source)) for path in (work.source / "scenes/together").glob("*.toml"))
-    files.append("scenes/contact/capstan.toml")
     methods = "direct,springs,xpbd"
     table = cheapest(work, files, [1e-1, 1e-2, 1e-3], methods,
                      lambda file: "--budget 15 --quick" + ("" if "[[stage.shots]]" in (work.source / file).read_text()
