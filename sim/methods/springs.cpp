@@ -202,17 +202,7 @@ MethodInfo springs_method() {
       .fit = with_own_stiffness,
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
-      .abilities = {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
-                        Features{Feature::span},
-                    {
-                        {Feature::winch, kUnlikeReels, {}, Apart::Within::connector},
-                        {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
-                        {kMaterialFeatures -
-                             Features{Feature::stretch, Feature::air, Feature::material_on_body},
-                         Feature::strings,
-                         {},
-                         Apart::Within::connector},
-                    }},
+      .abilities = abilities_on_mechanisms(),
       .companion = companion_of_springs,
       .particle_memory = 350,
   };

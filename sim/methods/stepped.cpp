@@ -66,6 +66,16 @@ void SteppedMethod::go_on(const World& world, double time, double until) {
   }
 }
 
+Abilities abilities_on_mechanisms() {
+  return {Features::all() - Feature::joint_in_flow - kPulleyFeatures - Features{Feature::span},
+          {{Feature::winch, kUnlikeReels, {}, Apart::Within::connector},
+           {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
+           {kMaterialFeatures - Features{Feature::stretch, Feature::air, Feature::material_on_body},
+            Feature::strings,
+            {},
+            Apart::Within::connector}}};
+}
+
 void row_mobility(const Mechanism& mechanism, std::vector<double>& rows) {
   resize_within(mechanism.row_room(), mechanism.rows().size(), rows);
   const auto& mobile = mechanism.inverse_mass();

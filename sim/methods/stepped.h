@@ -21,7 +21,8 @@ class SteppedMethod : public Method {
   SteppedMethod(std::string_view name, double step) : name_(name), step_(step) {}
 
   /// Called when the world's topology is new: makes workspaces, and returns the longest step (s)
-  /// that the method can take there; it counts only where the settings leave the step open.
+  /// that the method can take there; it counts only where the settings leave the step open. Then it
+  /// is called again every hundred steps while winches change lengths.
   virtual double prepare(Mechanism& mechanism, const World& world) = 0;
   /// Whether velocities that stretch links must be stopped where the topology has changed on the
   /// way: those of what was pinned in motion, or let go where it was bent.
@@ -40,6 +41,10 @@ class SteppedMethod : public Method {
   Projection projection_;
   std::vector<double> state_;
 };
+
+/// The features that such methods follow as far as the mechanism does, with contact as games have
+/// it.
+Abilities abilities_on_mechanisms();
 
 /// How freely a pull along each row parts its points (1/kg): at most, in whatever direction.
 void row_mobility(const Mechanism& mechanism, std::vector<double>& rows);

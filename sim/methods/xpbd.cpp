@@ -252,17 +252,7 @@ MethodInfo xpbd_method() {
             return stiff_step(world, number(settings, "iterations"));
           },
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
-      .abilities = {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
-                        Features{Feature::span},
-                    {
-                        {Feature::winch, kUnlikeReels, {}, Apart::Within::connector},
-                        {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
-                        {kMaterialFeatures -
-                             Features{Feature::stretch, Feature::air, Feature::material_on_body},
-                         Feature::strings,
-                         {},
-                         Apart::Within::connector},
-                    }},
+      .abilities = abilities_on_mechanisms(),
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .particle_memory = 250,
