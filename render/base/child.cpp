@@ -18,7 +18,6 @@
 #include <thread>
 
 #include "render/base/interrupt.h"
-#include "render/base/leftovers.h"
 
 namespace taut::render {
 namespace {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "render/chart/chart.h"
 
@@ -17,5 +18,11 @@ std::string html_chart(const Chart& chart);
 
 /// A command of a page, with a button that copies it.
 std::string html_command(const std::string& command);
+
+// The script of a page, in the order in which the page has its parts.
+
+extern const std::string_view kPageHelpers;
+extern const std::string_view kPanelScript;
+extern const std::string_view kPageScript;
 
 }  // namespace taut::chart

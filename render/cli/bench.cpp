@@ -7,10 +7,10 @@
 
 #include "render/base/atomic_file.h"
 #include "render/base/interrupt.h"
-#include "render/chart/gnuplot.h"
+#include "render/chart/chart.h"
 #include "render/program/command.h"
-#include "render/program/note.h"
-#include "render/program/terminal.h"
+#include "render/program/output.h"
+#include "render/program/progress.h"
 #include "render/study/bench_results.h"
 
 namespace taut::cli {

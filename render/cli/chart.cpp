@@ -1,16 +1,17 @@
 // taut chart: speed against accuracy.
 
+#include "render/chart/chart.h"
+
 #include <algorithm>
 #include <memory>
 #include <optional>
 
 #include "render/base/atomic_file.h"
-#include "render/chart/gnuplot.h"
 #include "render/options/study_options.h"
 #include "render/program/command.h"
-#include "render/program/journal.h"
-#include "render/program/note.h"
-#include "render/program/terminal.h"
+#include "render/program/output.h"
+#include "render/program/part.h"
+#include "render/program/progress.h"
 #include "render/study/accuracy_page.h"
 #include "render/study/accuracy_study.h"
 #include "render/study/model_error.h"

@@ -1,27 +1,30 @@
-// taut check: the faults of a scene, and its expected run.
+#include "render/cli/check.h"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "render/base/atomic_file.h"
 #include "render/base/bounded.h"
-#include "render/cli/check_cheaper.h"
-#include "render/cli/check_connectors.h"
-#include "render/cli/check_features.h"
-#include "render/cli/check_records.h"
-#include "render/cli/check_time.h"
+#include "render/chart/table.h"
+#include "render/export/csv.h"
 #include "render/film/caption.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
-#include "render/plan/plan_table.h"
+#include "render/plan/plan.h"
 #include "render/program/command.h"
-#include "render/program/json.h"
 #include "render/program/output.h"
 #include "render/program/program.h"
 #include "scenes/files/error.h"
@@ -30,12 +33,556 @@
 #include "scenes/load/faults.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/load/plan_file.h"
-#include "scenes/load/warnings.h"
-#include "scenes/scene/names.h"
+#include "scenes/scene/scene.h"
+#include "sim/contact/capsule.h"
+#include "sim/evaluation/run.h"
+#include "sim/measure/measure.h"
 #include "sim/motion/printable.h"
 #include "sim/motion/stop.h"
+#include "sim/run/cpu_time.h"
+#include "sim/run/error_estimate.h"
+#include "sim/run/method.h"
 
 namespace taut::cli {
+namespace {
+
+constexpr std::size_t kMostStates = 5e7;  // bytes, of all that are sent
+constexpr double kMarked = 2e-3;          // s of CPU time between two marks
+constexpr double kUnsaid = 0.02;          // s of CPU time, from the last mark to the end, at most
+constexpr double kFirstPart = 0x1p-10;    // of a frame
+constexpr double kFirstFrame = 0.5;       // of the CPU time; one that takes more is run in parts
+
+/// Calls visit(number) for every number of a state, in order.
+template <typename State, typename Visit>
+void each_number(State& state, Visit visit) {
+  visit(state.time);
+  for (auto& particles : state.connectors)
+    for (auto& at : particles)
+      for (Eigen::Index k = 0; k < 3; ++k) visit(at[k]);
+  for (auto& body : state.bodies) {
+    for (Eigen::Index k = 0; k < 3; ++k) visit(body.position[k]);
+    for (Eigen::Index k = 0; k < 4; ++k) visit(body.rotation.coeffs()[k]);
+  }
+}
+
+std::string bytes_of(const Snapshot& state) {
+  std::string bytes;
+  each_number(state, [&](double number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  });
+  return bytes;
+}
+
+/// Back into a state of the same parts.
+std::optional<Snapshot> state_of(std::string_view bytes, const Snapshot& shape) {
+  Snapshot state = shape;
+  bool enough = true;
+  each_number(state, [&](double& number) {
+    enough = enough && bytes.size() >= sizeof number;
+    if (!enough) return;
+    std::memcpy(&number, bytes.data(), sizeof number);
+    bytes.remove_prefix(sizeof number);
+  });
+  if (!enough || !bytes.empty()) return std::nullopt;
+  return state;
+}
+
+/// The parts that all states of the scene's simulation have.
+Snapshot shape_of(const scenes::Scene& scene) {
+  return snapshot(divided(scene.world, scene.timeline));
+}
+
+/// The run of taut simulate, as far as its cost goes.
+class Run {
+ public:
+  explicit Run(const scenes::Scene& scene)
+      : simulation_(scenes::start(scene)),
+        estimate_(scene.world, scene.method.name, scene.method.settings, scene.timeline),
+        balance_(scene.timeline) {}
+
+  /// To a frame, which is measured and written.
+  void to_frame(double time) {
+    to(time);
+    const World& world = std::as_const(simulation_).world();
+    measured_ += balance_.next(world) + stretch_max(world) + contact::penetration_max(world);
+    written_ += exporting::csv_row(simulation_.state()).size();
+  }
+  /// To a time between frames.
+  void to(double time) {
+    simulation_.advance_to(time);
+    estimate_.follow(simulation_);
+  }
+  const Simulation& simulation() const { return simulation_; }
+
+ private:
+  Simulation simulation_;
+  ErrorEstimate estimate_;
+  study::EnergyBalance balance_;
+  double measured_ = 0;
+  std::size_t written_ = 0;
+};
+
+/// Marks of a run; what is done for them does not count as the run's.
+class Marks {
+ public:
+  explicit Marks(const render::Say& say) : say_(say) {}
+
+  void add(double time, bool always) {
+    const double now = thread_seconds();
+    if (!always && now - last_ < kMarked) return;
+    last_ = now;
+    tell(say_, Said::mark, {time, now - aside_, now});
+  }
+  void add_state(const Simulation& simulation) {
+    const double before = thread_seconds();
+    const std::string bytes = bytes_of(simulation.state());
+    sent_ += bytes.size();
+    if (sent_ <= kMostStates) tell(say_, Said::state, bytes);
+    aside_ += thread_seconds() - before;
+  }
+
+ private:
+  const render::Say& say_;
+  double last_ = 0, aside_ = 0;
+  std::size_t sent_ = 0;
+};
+
+/// Of a scene whose first frame takes too long: parts of that frame that double, whole steps where
+/// all steps are equal.
+void run_parts(const scenes::Scene& scene, const render::Say& say) {
+  tell(say, Said::again, {thread_seconds()});
+  Marks marks(say);
+  Run run(scene);
+  marks.add(0, true);
+  const double frame = 1.0 / scene.fps, step = step_of(with_defaults(scene.method));
+  double part = step > 0 ? step : kFirstPart * frame;
+  for (double time = part; time < frame; time += part) {
+    run.to(time);
+    marks.add(time, true);
+    part *= 2;
+  }
+}
+
+void run_frames(const scenes::Scene& scene, double seconds, const render::Say& say) {
+  Marks marks(say);
+  Run run(scene);
+  marks.add(0, true);
+  const int every = scenes::frames_between_looks(scene);
+  for (int frame = 0; frame < scene.frames(); ++frame) {
+    const double time = static_cast<double>(frame) / scene.fps;
+    if (frame <= 1) {
+      try {
+        const WorkLimit limit({.cpu_time = kFirstFrame * seconds});
+        run.to_frame(time);
+      } catch (const OverLimit&) {
+        return run_parts(scene, say);
+      }
+    } else {
+      run.to_frame(time);
+    }
+    if (frame % every == 0) marks.add_state(run.simulation());
+    marks.add(time, frame == 1);
+  }
+  marks.add(end_of(scene), true);
+}
+
+}  // namespace
+
+double end_of(const scenes::Scene& scene) {
+  return static_cast<double>(scene.frames() - 1) / scene.fps;
+}
+
+Piece run_piece(const scenes::Scene& scene, double seconds) {
+  const render::Bounded bounded =
+      render::run_bounded({seconds, kCopyMemory}, [&](const render::Say& say) {
+        try {
+          run_frames(scene, seconds, say);
+        } catch (const Diverged& error) {  // the run ends there as well
+          tell(say, Said::diverged, error.what());
+        } catch (const BadIntervention& error) {
+          tell(say, Said::diverged, error.what());
+        }
+      });
+  Piece piece;
+  piece.next = 1.0 / scene.fps;
+  const Snapshot shape = shape_of(scene);
+  double used = 0;
+  each_record(bounded.said, [&](Said what, std::string_view bytes) {
+    if (what == Said::state) {
+      if (auto state = state_of(bytes, shape)) piece.states.push_back(std::move(*state));
+    } else if (what == Said::diverged) {
+      piece.over = true;
+      piece.diverged = bytes;
+    } else if (what == Said::again) {
+      piece.in_parts = true;
+      piece.first_frame = numbers_of(bytes).front() - used;
+      piece.marks.clear();
+    } else {
+      const std::vector<double> numbers = numbers_of(bytes);
+      piece.marks.push_back({numbers[0], numbers[1]});
+      used = numbers[2];
+    }
+  });
+  if (bounded.end == render::Bounded::End::no_time) {
+    piece.unfinished = std::max(seconds - kUnsaid - used, 0.0);
+  }
+  if (piece.in_parts) {
+    const double step = step_of(with_defaults(scene.method));
+    piece.next = piece.until() > 0 ? piece.until() : step > 0 ? step : kFirstPart / scene.fps;
+  }
+  return piece;
+}
+
+namespace {
+
+constexpr double kMostMemory = 1e9;  // bytes; of what takes more, no piece is run
+
+/// The cost of a simulated second at the end of the piece, in CPU seconds.
+double rate_at_end(const std::vector<Mark>& marks) {
+  const Mark& last = marks.back();
+  const double half = (marks.front().cpu + last.cpu) / 2;
+  auto from = std::ranges::find_if(marks, [&](const Mark& mark) { return mark.cpu > half; });
+  if (from != marks.begin()) --from;
+  return last.time > from->time ? (last.cpu - from->cpu) / (last.time - from->time) : 0;
+}
+
+}  // namespace
+
+std::string why_not_tried(const scenes::Scene& scene) {
+  return options::simulation_needs(scene).memory > kMostMemory ? "takes too much memory to be tried"
+                                                               : "";
+}
+
+RunTime time_of_run(const scenes::Scene& scene, double started, const Piece& piece) {
+  RunTime result;
+  const double end = end_of(scene);
+  if (piece.marks.empty()) {  // not even its start
+    result.seconds = result.least = started + piece.unfinished;
+    result.at_least = true;
+    return result;
+  }
+  const Mark& last = piece.marks.back();
+  if (piece.over || last.time >= end) {
+    const double run = started + last.cpu;
+    return {run, run, run, last.time, true, piece.over, false, ""};
+  }
+  result.simulated = last.time;
+  const double left = end - last.time, tried = started + last.cpu + piece.unfinished;
+  // What came after the last mark was not enough for the next one.
+  const double seen = std::max(piece.marks.size() > 1 ? rate_at_end(piece.marks) : 0,
+                               piece.unfinished / piece.next);
+  const double average =
+      (last.cpu + piece.unfinished - piece.marks.front().cpu) / (last.time + piece.next);
+  result.least = tried + std::min(average, seen) * left;
+  result.most = tried + std::max(average, seen) * left;
+  // The end of the piece tells more of what follows than its beginning.
+  constexpr double kEnd = 0.75;
+  result.seconds = tried + std::pow(seen, kEnd) * std::pow(average, 1 - kEnd) * left;
+  if (last.time == 0) {  // not even a step
+    const double step = std::max(piece.unfinished, piece.first_frame);
+    const double steps = std::max(options::steps_per_frame(scene), 1.0);
+    result.seconds = result.least = tried + step * steps * (scene.frames() - 1);
+    result.at_least = true;
+  } else if (piece.in_parts && !(step_of(with_defaults(scene.method)) > 0)) {
+    // Steps begin far shorter than they become. A frame takes one at least, and so did every part.
+    const double parts = static_cast<double>(piece.marks.size());
+    const double step = std::max(piece.unfinished, (last.cpu - piece.marks.front().cpu) / parts);
+    result.seconds = result.least = tried + step * left * scene.fps;
+    result.at_least = true;
+  }
+  return result;
+}
+
+std::string text_of(const RunTime& time) {
+  if (!time.unknown.empty()) return "a time that is not known: it " + time.unknown;
+  const std::string text = options::time_text(time.seconds);
+  if (time.diverges)
+    return fmt::format("{}, until it fails behind the frame at {:.3g} s", text, time.simulated);
+  if (time.whole) return text;
+  if (time.simulated == 0) {
+    return fmt::format(
+        "more than {}; how much more is not known, as the first step takes longer than a check may",
+        text);
+  }
+  const std::string by = fmt::format("as its first {:.2g} s tell", time.simulated);
+  if (time.at_least) return fmt::format("{} or more, {}", text, by);
+  constexpr double kSame = 2;
+  if (time.most < kSame * time.least) return fmt::format("{}, {}", text, by);
+  return fmt::format("{} to {}, {}", options::time_text(time.least), options::time_text(time.most),
+                     by);
+}
+
+namespace {
+
+constexpr std::string_view kMethod = "xpbd";  // equal steps, each of little work
+constexpr double kShortest = 1e-2;            // s of CPU time, of a look
+constexpr double kLeastTime = 5e-3;           // s; less is of no account
+constexpr double kDearer = 20;                // times, at least, to be worth a word
+constexpr double kApart = 0.01;               // of the longest connector
+constexpr double kMoved = 0.1;                // of that, at least: still, all methods agree
+
+/// RMS distance (m) of all particles and all bodies' origins.
+double distance(const Snapshot& a, const Snapshot& b) {
+  double squares = 0, count = 0;
+  const auto add = [&](const Vec3& one, const Vec3& other) {
+    squares += (one - other).squaredNorm();
+    ++count;
+  };
+  for (std::size_t c = 0; c < a.connectors.size(); ++c)
+    for (std::size_t i = 0; i < a.connectors[c].size(); ++i)
+      add(a.connectors[c][i], b.connectors[c][i]);
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) add(a.bodies[k].position, b.bodies[k].position);
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+/// The run by another method up to the piece's last state: how far it is from the piece, and its
+/// cost for the whole scene. Nothing where it does not get there.
+std::optional<Cheaper> compared(const scenes::Scene& scene, const MethodChoice& method,
+                                const Piece& piece, double seconds) {
+  const int every = scenes::frames_between_looks(scene);
+  const render::Bounded bounded =
+      render::run_bounded({seconds, kCopyMemory}, [&](const render::Say& say) {
+        Simulation simulation = scenes::start(scene, method);
+        double apart = 0;
+        for (std::size_t i = 0; i < piece.states.size(); ++i) {
+          simulation.advance_to(static_cast<double>(i) * every / scene.fps);
+          apart = std::max(apart, distance(simulation.state(), piece.states[i]));
+        }
+        tell(say, Said::mark, {std::as_const(simulation).world().time, thread_seconds(), apart});
+      });
+  std::optional<Cheaper> found;
+  each_record(bounded.said, [&](Said, std::string_view bytes) {
+    const std::vector<double> numbers = numbers_of(bytes);
+    if (numbers[0] > 0) {
+      found = {method, numbers[1] / numbers[0] * end_of(scene), numbers[2], numbers[0]};
+    }
+  });
+  return found;
+}
+
+}  // namespace
+
+std::optional<Cheaper> cheaper_method(const scenes::Scene& scene, const RunTime& time,
+                                      double started, const Piece& piece, double seconds) {
+  const MethodInfo* info = find_method(kMethod);
+  if (scene.method.name == kMethod || !info || !follows(*info, scene.world) || piece.over ||
+      time.at_least || time.least < kDearer * kLeastTime) {
+    return std::nullopt;
+  }
+  const double length = length_scale(scene.world);
+  const bool moves = std::ranges::any_of(piece.states, [&](const Snapshot& state) {
+    return distance(state, piece.states.front()) >= kMoved * length;
+  });
+  if (!moves) return std::nullopt;
+  MethodChoice method{std::string(kMethod), {}};
+  const double frame = 1.0 / scene.fps;
+  double most = seconds;
+  // With shorter and shorter steps, as long as it is cheap.
+  const double own = step_of(with_defaults(*info, {}, scene.world));
+  for (double steps = std::ceil(frame / own);; steps *= 4) {
+    method.settings["step"] = frame / steps;
+    const double before = render::children_seconds();
+    auto found = compared(scene, method, piece, most);
+    if (!found) return std::nullopt;
+    found->seconds += started;
+    if (!(kDearer * found->seconds < time.least)) return std::nullopt;
+    if (found->apart <= kApart * length) return found;
+    most -= render::children_seconds() - before;
+    if (most < kShortest) return std::nullopt;
+  }
+}
+
+std::string text_of(const Cheaper& cheaper, const RunTime& time, const scenes::Scene& scene) {
+  const double step = number(cheaper.method.settings, "step");
+  return fmt::format(
+      "{0} takes {1}; --method {2} --step {3:.6g} takes {4} and is within {5:.2g} mm of it "
+      "({6:.2g}% "
+      "of the length) until {7:.2g} s, as far as they were compared",
+      scene.method.name, options::time_text(time.seconds), cheaper.method.name, step,
+      options::time_text(cheaper.seconds), 1e3 * cheaper.apart,
+      100 * cheaper.apart / length_scale(scene.world), cheaper.until);
+}
+
+std::string what_helps(const scenes::Scene& scene, const RunTime& time) {
+  constexpr double kLong = 60;  // s
+  if (!time.unknown.empty() || time.least < kLong) return {};
+  const Settings settings = with_defaults(scene.method);
+  const auto value = [&](const char* name) { return std::get<double>(settings.at(name)); };
+  std::vector<std::string> ways;
+  if (settings.contains("tolerance"))
+    ways.push_back(fmt::format("a tolerance above {:.3g} m", value("tolerance")));
+  if (step_of(settings) > 0) ways.push_back(fmt::format("a step above {:.3g} s", value("step")));
+  std::size_t particles = 0;
+  for (const Connector& connector : scene.world.connectors) particles += connector.particles();
+  if (particles > 0) ways.push_back(fmt::format("fewer particles than {}", particles));
+  return fmt::format(
+      "{} takes {} or more; what may shorten that: {} (less accurate), --no-estimate (no estimate "
+      "of the error)",
+      scene.method.name, options::time_text(time.least), fmt::join(ways, ", "));
+}
+
+}  // namespace taut::cli
+
+namespace taut::cli::check_command {
+namespace {
+
+/// Particles that are joined with others, as connector and number.
+using Joined = std::set<std::pair<std::size_t, std::size_t>>;
+
+Joined joined_particles(const World& world) {
+  Joined found;
+  for (const Joint& joint : world.joints) {
+    for (const auto& [connector, particle] : joint.particles) found.emplace(connector, particle);
+  }
+  return found;
+}
+
+std::string held_by(const World& world, const Connector& connector, std::size_t particle) {
+  for (const Hold& hold : connector.holds) {
+    if (hold.particle != particle) continue;
+    if (hold.to.kind == Attachment::Kind::fixed) return "a fixed point";
+    if (hold.to.kind == Attachment::Kind::path) return "a path";
+    return world.bodies[hold.to.body].name;
+  }
+  return "nothing";
+}
+
+std::string ends_text(const World& world, std::size_t index, const Joined& joined) {
+  const Connector& connector = world.connectors[index];
+  const auto end = [&](std::size_t particle) -> std::string {
+    const std::string holder = held_by(world, connector, particle);
+    return holder == "nothing" && joined.contains({index, particle}) ? "a joint" : holder;
+  };
+  const std::string first = end(0), last = end(connector.particles() - 1);
+  return first == "nothing" && last == "nothing" ? "free"
+                                                 : fmt::format("held by {} and {}", first, last);
+}
+
+/// The connector's material, where it is more than rigid links.
+std::string material_text(const Connector& connector) {
+  if (connector.sections.empty()) return "";
+  const Section& first = connector.sections.front();
+  std::string text;
+  if (connector.stretches()) text += fmt::format(", EA {:.6g} N", first.axial_stiffness);
+  if (first.bending_stiffness > 0)
+    text += fmt::format(", EI {:.6g} N m^2", first.bending_stiffness);
+  if (first.twisting_stiffness > 0)
+    text += fmt::format(", GJ {:.6g} N m^2", first.twisting_stiffness);
+  if (connector.drag.across > 0 || connector.drag.along > 0) {
+    text +=
+        fmt::format(", drag {} across and {} along", connector.drag.across, connector.drag.along);
+  }
+  return text;
+}
+
+/// A net's connectors from `first` to before `last`.
+std::string net_text(const World& world, std::size_t first, std::size_t last) {
+  const auto& all = world.connectors;
+  double shortest = all[first].length, longest = shortest, mass = 0;
+  std::size_t particles = 0, held = 0;
+  for (std::size_t c = first; c < last; ++c) {
+    shortest = std::min(shortest, all[c].length);
+    longest = std::max(longest, all[c].length);
+    mass += all[c].mass;
+    particles += all[c].particles();
+    held += all[c].holds.size();
+  }
+  const auto joints = std::ranges::count_if(world.joints, [&](const Joint& joint) {
+    return joint.particles.front().connector >= first && joint.particles.front().connector < last;
+  });
+  const std::string lengths = shortest == longest
+                                  ? fmt::format("{:.6g} m", shortest)
+                                  : fmt::format("{:.6g} to {:.6g} m", shortest, longest);
+  return fmt::format("net {}: {} cords of {}, {:.6g} kg, {} particles{}, {} joints, {} held",
+                     scenes::written_name(all[first].name), last - first, lengths, mass, particles,
+                     material_text(all[first]), joints, held);
+}
+
+}  // namespace
+
+std::vector<std::string> connector_lines(const World& world) {
+  const Joined joined = joined_particles(world);
+  const auto& all = world.connectors;
+  const auto words = [&](std::size_t c) {
+    return fmt::format("{} m, {:.6g} kg, {} particles{}, {}", all[c].length, all[c].mass,
+                       all[c].particles(), material_text(all[c]), ends_text(world, c, joined));
+  };
+  std::vector<std::string> lines;
+  for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
+    const std::string_view name = scenes::written_name(all[first].name);
+    last = first + 1;
+    if (all[first].name.ends_with("#1")) {
+      while (last < all.size() && scenes::written_name(all[last].name) == name) ++last;
+      lines.push_back(net_text(world, first, last));
+      continue;
+    }
+    const std::string text = words(first);
+    while (last < all.size() && scenes::written_name(all[last].name) == name && words(last) == text)
+      ++last;
+    lines.push_back(last == first + 1 ? fmt::format("connector {}: {}", all[first].name, text)
+                                      : fmt::format("connectors {} to {}: each {}", all[first].name,
+                                                    all[last - 1].name, text));
+  }
+  return lines;
+}
+
+program::Json material_json(const Connector& connector) {
+  const Section& first = connector.sections.front();
+  program::Json json;
+  json["axial_stiffness_n"] =
+      connector.stretches() ? program::Json(first.axial_stiffness) : program::Json();
+  json["bending_stiffness_n_m2"] = first.bending_stiffness;
+  json["twisting_stiffness_n_m2"] = first.twisting_stiffness;
+  json["drag"] = {{"across", connector.drag.across}, {"along", connector.drag.along}};
+  return json;
+}
+
+}  // namespace taut::cli::check_command
+
+namespace taut::cli {
+namespace {
+
+std::vector<std::string> names_of(Features some) {
+  std::vector<std::string> names;
+  for (std::size_t f = 0; f < kFeatureCount; ++f) {
+    const auto feature = static_cast<Feature>(f);
+    if (some.has(feature)) names.emplace_back(name(feature));
+  }
+  return names;
+}
+
+std::string within(const Apart& apart) {
+  return apart.within == Apart::Within::world ? "a scene" : "one connector";
+}
+
+}  // namespace
+
+std::string features_as_markdown() {
+  chart::Table follows{{"feature"}, {}};
+  for (const MethodInfo& method : all_methods()) {
+    follows.columns.push_back(fmt::format("`{}`", method.name));
+  }
+  for (std::size_t f = 0; f < kFeatureCount; ++f) {
+    const auto feature = static_cast<Feature>(f);
+    std::vector<std::string>& row = follows.rows.emplace_back();
+    row.emplace_back(name(feature));
+    for (const MethodInfo& method : all_methods()) {
+      row.emplace_back(method.abilities.follows.has(feature) ? "yes" : "");
+    }
+  }
+  chart::Table apart{{"method", "does not follow", "together with", "in"}, {}};
+  for (const MethodInfo& method : all_methods()) {
+    for (const Apart& entry : method.abilities.apart) {
+      const Features both = method.abilities.follows;
+      apart.rows.push_back({fmt::format("`{}`", method.name),
+                            fmt::format("{}", fmt::join(names_of(entry.one & both), ", ")),
+                            fmt::format("{}", fmt::join(names_of(entry.other & both), ", ")),
+                            within(entry)});
+    }
+  }
+  return chart::to_markdown(follows) + "\n" + chart::to_markdown(apart);
+}
+
 namespace check_command {
 namespace {
 

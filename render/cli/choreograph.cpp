@@ -10,13 +10,11 @@
 #include "render/base/atomic_file.h"
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
-#include "render/program/json.h"
-#include "render/program/note.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
 #include "scenes/load/load_scene.h"
 #include "sim/choreography/choreography.h"
-#include "sim/choreography/hand_frame.h"
+#include "sim/choreography/flat_fit.h"
 #include "sim/motion/stop.h"
 
 namespace taut::cli {

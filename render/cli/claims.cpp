@@ -7,9 +7,9 @@
 
 #include "render/base/atomic_file.h"
 #include "render/program/command.h"
-#include "render/program/json.h"
-#include "render/program/terminal.h"
-#include "render/study/evidence.h"
+#include "render/program/output.h"
+#include "render/program/progress.h"
+#include "render/study/bench_results.h"
 
 namespace taut::cli {
 namespace claims_command {

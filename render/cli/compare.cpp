@@ -7,16 +7,12 @@
 #include "render/base/atomic_file.h"
 #include "render/base/interrupt.h"
 #include "render/clip/compare_methods.h"
-#include "render/film/fingerprint.h"
 #include "render/film/frame_folder.h"
 #include "render/film/video.h"
 #include "render/options/study_options.h"
 #include "render/program/command.h"
-#include "render/program/frame_list.h"
-#include "render/program/json.h"
-#include "render/program/note.h"
+#include "render/program/output.h"
 #include "render/program/progress.h"
-#include "render/program/terminal.h"
 
 namespace taut::cli {
 namespace compare_command {

@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "render/cli/commands.h"
-#include "render/program/note.h"
+#include "render/program/output.h"
 #include "scenes/files/asset_path.h"
 
 namespace taut::cli {

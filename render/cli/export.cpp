@@ -18,8 +18,6 @@
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
-#include "render/program/json.h"
-#include "render/program/note.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
 #include "scenes/scene/scene.h"

@@ -1,4 +1,6 @@
 // taut golden: pictures and motions that are kept, and compared with what their scenes do now.
+#include "render/golden/golden.h"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -7,10 +9,8 @@
 #include "render/base/atomic_file.h"
 #include "render/base/interrupt.h"
 #include "render/clip/goldens.h"
-#include "render/golden/golden_page.h"
 #include "render/options/method_options.h"
 #include "render/program/command.h"
-#include "render/program/json.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
 #include "sim/motion/printable.h"

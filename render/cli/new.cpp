@@ -10,10 +10,9 @@
 #include "render/base/atomic_file.h"
 #include "render/base/error.h"
 #include "render/cli/commands.h"
-#include "render/options/reproduce.h"
+#include "render/options/method_options.h"
 #include "render/program/command.h"
-#include "render/program/json.h"
-#include "render/program/note.h"
+#include "render/program/output.h"
 #include "scenes/files/asset_path.h"
 #include "scenes/files/regular_file.h"
 

@@ -1,4 +1,6 @@
 // taut plan: the cheapest model of a scene that nobody can tell from the reference solution.
+#include "render/plan/plan.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +11,6 @@
 #include "render/base/atomic_file.h"
 #include "render/base/error.h"
 #include "render/options/study_options.h"
-#include "render/plan/make_plan.h"
-#include "render/plan/plan_report.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
 #include "render/study/study_target.h"

@@ -9,7 +9,7 @@
 #include "render/film/render_workers.h"
 #include "render/options/needs.h"
 #include "render/program/command.h"
-#include "render/program/watch.h"
+#include "render/program/program.h"
 #include "scenes/files/error.h"
 #include "scenes/format/document.h"
 

@@ -3,10 +3,10 @@
 #include <memory>
 
 #include "render/base/atomic_file.h"
-#include "render/chart/gnuplot.h"
+#include "render/chart/chart.h"
 #include "render/program/command.h"
-#include "render/program/note.h"
-#include "render/program/terminal.h"
+#include "render/program/output.h"
+#include "render/program/progress.h"
 #include "render/study/stability_study.h"
 
 namespace taut::cli {

@@ -6,8 +6,8 @@
 
 #include "render/base/atomic_file.h"
 #include "render/program/command.h"
-#include "render/program/json.h"
-#include "render/program/terminal.h"
+#include "render/program/output.h"
+#include "render/program/progress.h"
 
 namespace taut::cli {
 namespace work_precision_command {

@@ -2,24 +2,54 @@
 // they go.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "render/clip/stills.h"
-#include "render/draw/frame_state.h"
+#include "render/chart/table.h"
+#include "render/draw/stage_renderer.h"
+#include "render/draw/view.h"
+#include "render/film/film.h"
 #include "render/film/frame_folder.h"
 #include "render/gl/context.h"
+#include "render/gl/gpu.h"
 #include "render/options/method_options.h"
 #include "render/options/outputs.h"
 #include "render/options/scene_options.h"
 #include "render/program/part.h"
-#include "render/study/self_estimate.h"
-#include "scenes/scene/clip_simulation.h"
+#include "render/study/scoring.h"
+#include "scenes/scene/clip.h"
 
 namespace taut::clips {
+
+// The costs of the stages of drawing a frame, as a table and as JSON.
+
+/// The stages' medians, the share of the frames that went through each (scenery is drawn anew only
+/// where the camera moved), and what they add up to in a mean frame.
+chart::Table stage_table(const gl::Profile& profile, const gl::Profile& unlit,
+                         const draw::StageFloor& floor, std::size_t drawn);
+nlohmann::ordered_json stage_json(const gl::Profile& profile, const gl::Profile& unlit,
+                                  const draw::StageFloor& floor);
+
+// Single pictures of a clip: a contact sheet, a poster.
+
+struct Stills {
+  bool contact_sheet = false;
+  std::optional<double> every;   // s of the clip between a sheet's pictures; else captions' middles
+  std::optional<double> poster;  // s of the clip
+  std::string poster_file;       // empty: poster.png
+  bool transparent = false;      // the poster
+
+  bool any() const { return contact_sheet || every || poster; }
+};
+
+/// Writes them into the folder `out`, the poster under its name where it has one, and returns their
+/// names, one a line. Throws Misuse where the clip has nothing of the kind, and CannotWrite.
+std::string make_stills(const Stills& stills, const scenes::Scene& scene, film::Film& film,
+                        const std::filesystem::path& out, const options::Provenance& provenance);
 
 inline constexpr const char* kParts = "frames";  // the name of a clip's parts
 inline constexpr const char* kRecord =

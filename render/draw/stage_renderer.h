@@ -2,16 +2,53 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <string_view>
 
-#include "render/draw/frame_state.h"
+#include "render/draw/motion_extents.h"
+#include "render/draw/stage_parts.h"
 #include "render/draw/view.h"
 #include "render/gl/canvas.h"
-#include "render/gl/profile.h"
+#include "render/gl/gpu.h"
 #include "scenes/scene/stage.h"
 #include "sim/world/world.h"
 
 namespace taut::draw {
+
+// Pictures of a stage without any saving, for the others to be compared with: every triangle is
+// drawn over the whole picture, in every exposure.
+
+/// Draws the moving parts at one instant, and their shadows on the scenery.
+void draw_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
+                const FrameState& instant, const Layer& layer);
+
+/// The same while a shutter is open, each triangle at the exposures of its grades.
+void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
+                  std::span<const FrameState> shutter, std::span<const Exposures> grades,
+                  const MotionExtents& extents);
+
+/// The same with everything in each of `count` exposures.
+void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
+                  std::span<const FrameState> shutter, int count);
+
+// Lower bounds of the time of a frame's stages.
+
+/// Floors of stages, from what this machine can do.
+class StageFloor {
+ public:
+  /// Measures how fast one core copies memory: some hundredths of a second.
+  StageFloor(int width, int height, int samples);
+
+  /// CPU time (s) below which a stage cannot come: of one that draws lit surfaces, what the same
+  /// triangles and samples take in one colour (`unlit`, the profile of such frames); of one that
+  /// moves pixels, its bytes at the speed of copying. None where neither is known.
+  std::optional<double> of(std::string_view stage, const gl::Profile& unlit) const;
+
+ private:
+  double pixels_, samples_;
+  double speed_;  // B/s, read and written together
+};
 
 /// A stage on the graphics side.
 class StageRenderer {

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "render/draw/jitter.h"
 #include "render/draw/motion_extents.h"
 #include "render/draw/stage_parts.h"
 

@@ -1,8 +1,11 @@
 // A view of a stage: its camera, its place in the picture, and the savings of its drawing.
 #pragma once
 
-#include "render/picture/rect.h"
+#include <vector>
+
+#include "render/picture/picture.h"
 #include "scenes/scene/stage.h"
+#include "sim/run/trajectory.h"
 
 namespace taut::draw {
 
@@ -28,6 +31,23 @@ struct Shading {
   bool lit = true;      // false: one colour everywhere, what triangles and samples alone cost
   Savings savings = Savings::all;
   double still = 1;  // px that a thing may move while the shutter is open, and be drawn once
+};
+
+// An instant of a scene as pictures need it.
+
+/// Everything that moves, at one time.
+struct FrameState {
+  Snapshot state;
+  std::vector<std::vector<Pose>> bones;  // [character][bone], world space
+  scenes::CameraView camera;
+  std::vector<scenes::TrailPoints> trails = {};  // of the stage; the frame's own instant has them
+};
+
+/// The parts of an instant to draw, and how.
+struct Layer {
+  bool characters = true, bodies = true, connectors = true;
+  float opacity = 1;  // below 1: blended over what is there, casting no shadow
+  bool shadow = true;
 };
 
 }  // namespace taut::draw

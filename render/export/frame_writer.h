@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scenes/scene/scene.h"
+#include "sim/run/trajectory.h"
 
 namespace taut::exporting {
 
@@ -40,5 +41,55 @@ class FrameWriter {
 /// Simulates the scene and gives the writer its states, then finishes it; calls `tick` with the
 /// number of frames that are done. Frames are those of a simulation that stops at nothing else.
 void play(const scenes::Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick);
+
+// Which states a motion needs that goes straight from one to the next.
+
+/// Takes states in the order of their times. Every frame is a key, and whatever else brings the
+/// straight lines within the limit of the other states.
+class LinearKeys {
+ public:
+  static constexpr double kLimit = 5e-5;  // m
+
+  /// `radii` tell of each body how far from its origin there is something to see, m.
+  explicit LinearKeys(std::vector<double> radii) : radii_(std::move(radii)) {}
+
+  void add(Snapshot state, bool is_frame, const std::function<void(const Snapshot&)>& key);
+
+  double error() const { return error_; }  // the largest distance, m
+
+ private:
+  double off(const Snapshot& from, const Snapshot& to, const Snapshot& state) const;
+  void divide(std::size_t from, std::size_t to, const std::function<void(const Snapshot&)>& key);
+
+  std::vector<double> radii_;
+  std::vector<Snapshot> pending_;  // from the last frame on
+  double error_ = 0;
+};
+
+// The looks of moving things by the scene's stage; plain where it has none.
+
+/// A model for each body; null: nothing is seen of it.
+std::vector<std::shared_ptr<const scenes::Model>> body_models(const scenes::Scene& scene);
+/// How far from its origin there is something to see of each body, m.
+std::vector<double> bounding_radii(const scenes::Scene& scene);
+
+/// Of a connector of the scene's world as it is divided().
+scenes::ConnectorLook look_of(const scenes::Scene& scene, std::size_t connector);
+
+/// A camera of the stage.
+struct NamedCamera {
+  std::string name;
+  const std::vector<scenes::CameraKey>& keys;  // the stage's own
+  double start;                                // s, from which on it is used
+};
+/// The stage's camera and, where they have others, those of the shots.
+std::vector<NamedCamera> cameras(const scenes::Scene& scene);
+
+/// The rotation of what looks along its own -z, its x level, as cameras and lights do.
+Quat looking(const Vec3& direction);
+
+/// Into how many parts to divide a frame to see what happens meanwhile: a method of equal steps
+/// shows as many of its own as that; one that chooses its steps has to stop for each.
+int parts_of_frame(const scenes::Scene& scene);
 
 }  // namespace taut::exporting

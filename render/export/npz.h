@@ -1,9 +1,56 @@
 // Trajectories as arrays, as numpy.load() reads them.
 #pragma once
 
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "render/export/frame_writer.h"
 
 namespace taut::exporting {
+
+// Zip archives of files that are stored as they are.
+
+/// The same files give the same bytes: none has a date.
+class Zip {
+ public:
+  explicit Zip(WriteBytes write) : write_(std::move(write)) {}
+
+  /// A file of these pieces, one after another.
+  void add(const std::string& name, const std::vector<std::string_view>& pieces);
+  /// The list of the files, which ends an archive.
+  void finish();
+
+ private:
+  void put(std::string_view bytes);
+
+  WriteBytes write_;
+  std::uint64_t written_ = 0, files_ = 0;
+  std::string list_;
+};
+
+// Numbers as bytes, the lowest first.
+
+static_assert(std::endian::native == std::endian::little, "written as they are in memory");
+
+template <typename... Numbers>
+std::string little_endian(Numbers... numbers) {
+  std::string bytes;
+  const auto add = [&bytes](auto number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  (add(numbers), ...);
+  return bytes;
+}
+
+template <typename Number>
+std::string_view bytes_of(std::span<const Number> numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
+}
 
 /// An archive of arrays of float64, a row for each frame: `times`; for every connector
 /// `connectors/NAME/positions` and `connectors/NAME/velocities` (frames, particles, 3); for every

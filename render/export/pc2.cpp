@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "render/export/little_endian.h"
+#include "render/export/npz.h"
 
 namespace taut::exporting {
 namespace {

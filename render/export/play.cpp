@@ -2,9 +2,8 @@
 #include <utility>
 
 #include "render/export/frame_writer.h"
-#include "scenes/scene/exposure.h"
-#include "sim/run/between.h"
-#include "sim/run/shown_velocities.h"
+#include "scenes/scene/clip.h"
+#include "sim/run/simulation.h"
 
 namespace taut::exporting {
 namespace {

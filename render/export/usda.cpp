@@ -7,8 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "render/export/linear_keys.h"
-#include "render/export/looks.h"
+#include "render/export/frame_writer.h"
 
 namespace taut::exporting {
 namespace {

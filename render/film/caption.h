@@ -34,4 +34,11 @@ std::vector<std::string> missing_glyphs(const scenes::Stage& stage);
 /// Draws a small line at the upper left, as long as it is asked for.
 void draw_note(picture::Picture& picture, picture::Font& font, std::string_view text);
 
+// Cards: a heading and a few lines on a ground of their own.
+
+/// `method` stands where the text says {method}. `shown` goes from 0, the picture alone, to 1: at
+/// first the ground comes over the picture, from a half on the lines upon it.
+void draw_card(picture::Picture& picture, picture::Font& font, picture::Font& bold,
+               const scenes::Card& card, std::string_view method, double shown);
+
 }  // namespace taut::film

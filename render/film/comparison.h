@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,12 +13,49 @@
 #include "render/chart/chart.h"
 #include "render/chart/table.h"
 #include "render/draw/stage_renderer.h"
-#include "render/film/verdict.h"
 #include "render/gl/canvas.h"
 #include "render/picture/text.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::film {
+
+// What a comparison says of a method.
+
+/// What is said of a method, in words, and how bad it is.
+struct Verdict {
+  enum class Grade { kept, off, broken, none };  // none: there is nothing to judge by
+  Grade grade = Grade::none;
+  std::string text = {};
+  std::size_t worst = 0;  // the frame at which it is the farthest off
+};
+
+/// The largest error of a method that is right, as a share of what it is measured by: of the energy
+/// scale, of the length, of the momentum scale.
+inline constexpr double kKept = 0.01;
+
+// Colours of a comparison's text and shapes.
+
+inline constexpr picture::Rgb kInk = {32, 34, 38}, kGrey = {96, 98, 102}, kPaper = {255, 255, 255},
+                              kRight = {24, 122, 62}, kOff = {190, 95, 10}, kBroken = {176, 32, 40};
+
+/// Of 0xrrggbb.
+inline picture::Rgb rgb(std::uint32_t color) {
+  return {std::uint8_t(color >> 16), std::uint8_t(color >> 8), std::uint8_t(color)};
+}
+
+inline picture::Rgb rgb(Verdict::Grade grade) {
+  switch (grade) {
+    case Verdict::Grade::kept:
+      return kRight;
+    case Verdict::Grade::off:
+      return kOff;
+    case Verdict::Grade::broken:
+      return kBroken;
+    case Verdict::Grade::none:
+      break;
+  }
+  return kGrey;
+}
 
 /// A method's run of the scene.
 struct ComparedMethod {

@@ -1,8 +1,7 @@
 #include "render/film/film.h"
 
 #include "render/film/caption.h"
-#include "render/film/card.h"
-#include "render/film/fingerprint.h"
+#include "render/film/frame_folder.h"
 #include "render/film/matte.h"
 #include "render/film/trails.h"
 

@@ -5,10 +5,9 @@
 
 #include "render/draw/stage_renderer.h"
 #include "render/gl/canvas.h"
-#include "render/gl/profile.h"
+#include "render/gl/gpu.h"
 #include "render/picture/text.h"
 #include "scenes/scene/clip.h"
-#include "scenes/scene/clip_simulation.h"
 
 namespace taut::film {
 

@@ -9,14 +9,25 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
 #include "render/base/atomic_file.h"
-#include "render/base/descriptor.h"
+#include "render/draw/view.h"
 #include "render/picture/picture.h"
+#include "scenes/scene/stage.h"
 
 namespace taut::film {
+
+// Hashes of everything that a frame is made from, by which finished frames are known again.
+
+/// Of the program itself (its executable file).
+std::uint64_t program_fingerprint();
+/// Of what never moves: models, lights, looks, captions.
+std::uint64_t fingerprint(const scenes::Stage& stage);
+/// Of what moves while the shutter is open, bit for bit.
+std::uint64_t fingerprint(std::span<const draw::FrameState> shutter);
 
 /// Frames are NNNNNN.png. The journal has a line per frame: its number, the hash of everything it
 /// was made from, and that of its file; a frame is kept only where both still hold.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/picture/text.h"
+
 namespace taut::film {
 namespace {
 
@@ -49,6 +51,15 @@ picture::Picture matte(const picture::Picture& on_black, const picture::Picture&
     result.pixels[i + 3] = nothing ? std::uint8_t(0) : solid ? std::uint8_t(255) : byte(opacity);
   }
   return result;
+}
+
+picture::Picture contact_sheet(std::span<const picture::Picture> pictures, int columns) {
+  const int width = pictures[0].width, height = pictures[0].height;
+  const int rows = (int(pictures.size()) + columns - 1) / columns;
+  picture::Picture sheet(width * columns, height * rows);
+  for (int i = 0; i < int(pictures.size()); ++i)
+    picture::paste(pictures[std::size_t(i)], sheet, i % columns * width, i / columns * height);
+  return sheet;
 }
 
 }  // namespace taut::film

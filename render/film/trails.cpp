@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "render/picture/paint.h"
-#include "scenes/scene/view.h"
+#include "render/picture/text.h"
+#include "scenes/scene/stage.h"
 
 namespace taut::film {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "render/draw/frame_state.h"
+#include "render/draw/view.h"
 #include "render/picture/picture.h"
 
 namespace taut::film {

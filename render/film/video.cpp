@@ -13,8 +13,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "render/base/atomic_file.h"
 #include "render/base/error.h"
-#include "render/base/part_file.h"
 #include "sim/motion/printable.h"
 
 namespace taut::film {

@@ -10,7 +10,6 @@
 #include "render/gl/defocus.h"
 #include "render/gl/gpu.h"
 #include "render/picture/picture.h"
-#include "render/picture/rect.h"
 
 namespace taut::gl {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "render/gl/gpu.h"
-#include "render/picture/rect.h"
+#include "render/picture/picture.h"
 
 namespace taut::gl {
 

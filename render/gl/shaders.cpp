@@ -401,4 +401,240 @@ void main() {
 #endif
 )";
 
+// What capsules near a surface take of its light. Ambient light: the cosine-weighted solid angle of
+// the nearest sphere on each capsule, less what it is where its reach ends. The counts of capsules
+// are constants, so that loops are unrolled: software rasterisers fetch what a variable indexes
+// lane by lane.
+const char* const contact = R"(
+float contact_light(vec3 p, vec3 n) {
+  float light = 1;
+#if SHADE > 0
+#if SHADE == 2
+  const int first = 0, end = FEET;
+#else
+  const int first = LEGS, end = CAPSULES;
+#endif
+  for (int i = first; i < end; ++i) {
+    vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
+    vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
+    float distance2 = dot(d, d);
+    float r2 = capsule_from[i].w * capsule_from[i].w;
+    float sphere = max(r2 / distance2 - 1.0 / (CONTACT_RANGE * CONTACT_RANGE), 0);
+    light *= 1 - 0.9 * min(max(dot(n, d), 0) * inversesqrt(distance2) * sphere, 1);
+  }
+#endif
+#if SHADE == 2
+  return light;
+#else
+  // Cloth that arms hide from the room gets a part of its light back from them.
+  const float thrown_back = 0.35;
+  return mix(thrown_back, 1, light);
+#endif
+}
+
+#if SHADE == 2 && MIRROR && GLOSSY
+// The share of what a glossy floor mirrors along r that feet and shins hide: none beyond the reach of
+// the feet, where the scenery stays as it is.
+float hidden_by_legs(vec3 p, vec3 r, float roughness) {
+  float near = 0, open = 1;
+  for (int i = 0; i < LEGS; ++i) {
+    vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
+    float radius = capsule_from[i].w, along = dot(from, axis), ahead = dot(from, r);
+    vec3 d = axis * clamp(along * capsule_to[i].w, 0, 1) - from;
+    if (i < FEET) near = max(near, 2 - 2 * length(d) / (0.9 * CONTACT_RANGE * radius));
+    // Where the ray comes nearest to the axis.
+    float b = dot(r, axis), across = max(1 / capsule_to[i].w - b * b, 1e-6);
+    float s = clamp((along - b * ahead) / across, 0, 1), t = max(s * b - ahead, 0);
+    float miss = length(from + t * r - s * axis);
+    float blur = 0.01 + 0.9 * roughness * t;  // half of the lobe's width
+    open *= 1 - clamp(0.5 + (radius - miss) / (2 * blur), 0, 1) * min(1.5 * radius / blur, 1.0);
+  }
+  return (1 - open) * clamp(near, 0, 1);
+}
+#endif
+)";
+
+const char* const cover_vertex = R"(
+void main() {
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0, 1);
+})";
+
+const char* const pixel_light = R"(
+layout(binding = 0) uniform sampler2DMS samples;
+uniform float smooth_from;  // how far the samples of a pixel differ where an edge runs through it
+
+// The light of a pixel's samples. Where an edge runs through it, those around it count as well, by
+// a tent two pixels wide: four samples alone make four steps of an edge.
+vec3 pixel_light(ivec2 pixel) {
+  vec3 light = vec3(0), least = vec3(1), most = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec3 s = texelFetch(samples, pixel, i).rgb;
+    light += s * s;
+    least = min(least, s);
+    most = max(most, s);
+  }
+  // Software rasterisers skip only loops.
+  bool edge = any(greaterThan(most - least, vec3(smooth_from)));
+  ivec2 end = textureSize(samples) - 1;
+  vec3 smoothed = vec3(0);
+  for (int i = edge ? 0 : SAMPLES; i < SAMPLES; ++i) {
+    // This sample of the four pixels in which it lies under the tent.
+    ivec2 side = -ivec2(sign(PLACES[i]));
+    vec2 far = abs(PLACES[i]);
+    for (int k = 0; k < 4; ++k) {
+      ivec2 away = ivec2(k & 1, k >> 1);
+      vec2 weight = mix(1 - far, far, vec2(away));
+      vec3 s = texelFetch(samples, clamp(pixel + away * side, ivec2(0), end), i).rgb;
+      smoothed += weight.x * weight.y * s * s;
+    }
+  }
+  return (edge ? smoothed : light) * (1.0 / SAMPLES);
+}
+)";
+
+const char* const gather_fragment = R"(
+layout(location = 0) out vec4 mean;
+uniform float share;
+uniform ivec2 corner;  // of the part of the picture that the target holds
+void main() {
+  mean = vec4(share * pixel_light(corner + ivec2(gl_FragCoord.xy)), 1);
+})";
+
+const char* const put_fragment = R"(
+layout(binding = 0) uniform sampler2D light;
+layout(location = 0) out vec4 encoded;
+void main() {
+  encoded = vec4(sqrt(texelFetch(light, ivec2(gl_FragCoord.xy), 0).rgb), 1);
+})";
+
+const char* const finish_fragment = R"(
+#if SAMPLES == 0
+layout(binding = 0) uniform sampler2D gathered;
+uniform ivec2 corner;  // of the part of the picture that it holds
+#endif
+layout(location = 0) out vec4 color;
+uniform int height;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.x, height - 1 - int(gl_FragCoord.y));
+#if SAMPLES > 0
+  vec3 light = pixel_light(pixel);
+#else
+  vec3 light = texelFetch(gathered, pixel - corner, 0).rgb;
+#endif
+  // Roots instead of the power of 1/2.4, within a quarter of a step of the 8-bit scale.
+  vec3 root2 = sqrt(light), root4 = sqrt(root2), root8 = sqrt(root4);
+  vec3 power = 0.662002687 * root2 + 0.684122060 * root4 - 0.323583601 * root8 - 0.0225411470 * light;
+  vec3 srgb = mix(12.92 * light, power, step(0.0031308, light));
+  // Interleaved gradient noise (Jimenez 2014), one step of the 8-bit scale wide.
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  color = vec4(srgb + (noise - 0.5) / 255.0, 1);
+})";
+
+const char* const depth_vertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 model;
+void main() {
+  gl_Position = vec4((light_projection * (model * vec4(position, 1))).xyz * 2 - 1, 1);
+})";
+
+const char* const depth_fragment = "void main() {}";
+
+const char* const past_scenery = R"(
+#if CASTING
+layout(binding = 5) uniform sampler2D scenery_depths;
+layout(binding = 6) uniform sampler2D scenery_spans;  // the least and the greatest depth near by
+
+float past_scenery(vec3 position) {
+  vec3 place = (SCENERY_MAP * vec4(position, 1)).xyz;
+  vec2 span = textureLod(scenery_spans, place.xy, 0).rg;
+  bool mixed = place.z > span.x && place.z <= span.y;
+  float lit = place.z > span.y ? 0 : 1;
+  // What hides the light is how far away (Fernando 2005)? Then the light's disc from there.
+  const float texel = 1.0 / textureSize(scenery_depths, 0).x;
+  float widest = max(SCENERY_PENUMBRA * (place.z - span.x), 2 * texel);
+  vec2 found = vec2(0);  // depths, and how many
+  for (int i = mixed ? 0 : 5; i < 5; ++i) {
+    vec2 at = place.xy + (i < 4 ? widest * (vec2(i & 1, i >> 1) * 1.4 - 0.7) : vec2(0));
+    vec4 depths = textureGather(scenery_depths, at);
+    vec4 near = vec4(lessThan(depths, vec4(place.z)));
+    found += vec2(dot(near, depths), dot(near, vec4(1)));
+  }
+  if (found.y >= 20) lit = 0;
+  bool partly = found.y > 0 && found.y < 20;
+  float radius = max(SCENERY_PENUMBRA * (place.z - found.x / max(found.y, 1)), 2 * texel), sum = 0;
+  vec2 direction = vec2(1, 0);
+  for (int i = partly ? 0 : 24; i < 24; ++i) {
+    direction = vec2(-0.73736888 * direction.x - 0.67549029 * direction.y,
+                     0.67549029 * direction.x - 0.73736888 * direction.y);
+    vec2 at = (place.xy + radius * sqrt((float(i) + 0.5) / 24) * direction) / texel - 0.5;
+    vec2 corner = floor(at), f = at - corner;
+    vec4 open = vec4(greaterThanEqual(textureGather(scenery_depths, (corner + 1) * texel),
+                                      vec4(place.z)));
+    sum += mix(mix(open.w, open.z, f.x), mix(open.x, open.y, f.x), f.y);
+  }
+  return partly ? sum * (1.0 / 24.0) : lit;
+}
+#else
+float past_scenery(vec3 position) { return 1; }
+#endif
+)";
+
+// What every surface needs to know of a frame; FrameBlock in surfaces.h mirrors it.
+const char* const frame_block = R"(
+layout(std140, binding = 0) uniform Frame {
+  mat4 view_projection;
+  mat4 light_projection;   // world to [0,1]^3 of the shadow map
+  vec4 eye;                // xyz; w: offset along the normal before the shadow's look-up, m
+  vec4 capsule_from[12];    // xyz; w: radius
+  vec4 capsule_to[12];      // xyz; w: 1/length^2
+  float penumbra;          // half of it, in widths of the map, for each of its depths
+  float texel_depth;       // a texel's width, in depths of the map
+  // What moves stands in layers, at several instants: a part of the map. The light comes from
+  // another point of its disc in each.
+  float pivot;             // the depth at which that moves nothing
+  int first_layer, end_layer;
+  vec4 moved_light[8];     // xy: how far it moves a look-up, for each depth beyond the pivot
+  vec4 layered;            // xy: the part's corner, zw: its opposite one, in widths of the map
+  vec4 on_layers;          // a place on the map to one on the layers: xy times, zw more
+};
+)";
+
+const char* const surface_vertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 rest;
+layout(location = 3) in vec3 color;
+uniform mat4 model;
+invariant gl_Position;
+out vec3 world_position, world_normal, rest_position, tint, shadow_position;
+#if BATHED
+layout(location = 4) in vec3 light;
+out vec3 bath;
+#endif
+#if TEXTURED
+layout(location = 5) in vec2 place_on_picture;
+out vec2 uv;
+#endif
+#if FINE
+out vec2 soft_light;  // past the scenery, past capsules
+#endif
+
+void main() {
+  world_position = (model * vec4(position, 1)).xyz;
+  world_normal = mat3(model) * normal;
+  rest_position = rest;
+  tint = color;
+#if BATHED
+  bath = light;
+#endif
+  shadow_position = (light_projection * vec4(world_position + eye.w * world_normal, 1)).xyz;
+#if TEXTURED
+  uv = place_on_picture;
+#endif
+#if FINE
+  soft_light = vec2(past_scenery(world_position), contact_light(world_position, normalize(world_normal)));
+#endif
+  gl_Position = view_projection * vec4(world_position, 1);
+})";
+
 }  // namespace taut::gl::shaders

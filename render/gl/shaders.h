@@ -1,6 +1,4 @@
-// The GLSL sources. The head of each says what it computes; vertex_shaders.cpp and shaders.cpp hold
-// the text of surfaces, shadow_shaders.cpp and contact_shaders.cpp that of shadows,
-// pass_shaders.cpp that of the passes.
+// The GLSL sources. The head of each says what it computes.
 #pragma once
 
 namespace taut::gl::shaders {

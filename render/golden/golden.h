@@ -2,15 +2,36 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "render/golden/picture_difference.h"
 #include "render/picture/picture.h"
 #include "sim/run/trajectory.h"
 
 namespace taut::golden {
+
+// How two pictures differ: the measures by which golden pictures are compared.
+
+struct PictureDifference {
+  double above_2 = 0;     // share of pixels with a channel more than 2 (of 255) apart
+  int largest = 0;        // the largest distance of any channel
+  double mean_shift = 0;  // the largest channel's |mean difference|
+  // Share of pixels that lie, in one of the pictures, more than 8 away from every pixel within one
+  // of them in the other.
+  double near_above_8 = 0;
+};
+
+/// Throws std::invalid_argument where the sizes differ.
+PictureDifference difference(const picture::Picture& actual, const picture::Picture& golden);
+
+/// As two runs of one driver should be: at most 0.01% of the pixels differ by more than 2, none by
+/// more than 16, and the means by at most 0.3.
+bool same_rendering(const PictureDifference& difference);
+
+/// As two drivers may be: edges may move by a pixel, 0.1% of the pixels may differ by more than 8.
+bool same_picture(const PictureDifference& difference);
 
 /// The driver that draws in a context with this description (Context::description): its name and
 /// version, without the backend. A software rasteriser tells the width of its vectors, too: on
@@ -51,5 +72,19 @@ PictureComparison compare(const picture::Picture& actual, const std::string& dri
 /// ghost.
 picture::Picture amplified_difference(const picture::Picture& actual,
                                       const picture::Picture& golden);
+
+// The page on which a person looks at golden pictures that no longer match.
+
+/// One picture that differs. NAME/actual.png, NAME/golden.png and NAME/difference.png lie beside
+/// the page.
+struct GoldenFailure {
+  std::string name;     // letters, digits, _ and -
+  std::string verdict;  // one sentence
+  bool pictures = true;
+};
+
+/// One HTML file without scripts from elsewhere: each picture with a slider between golden and
+/// actual, a blink view, and the amplified difference.
+std::string golden_page(std::span<const GoldenFailure> failures);
 
 }  // namespace taut::golden

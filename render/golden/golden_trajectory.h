@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,18 @@
 #include "sim/run/trajectory.h"
 
 namespace taut::golden {
+
+// States and poses as JSON, every number exactly.
+
+/// No record of a golden picture or trajectory is larger.
+inline constexpr std::size_t kMaxRecordBytes = 64u << 20;
+
+nlohmann::ordered_json to_json(const Pose& pose);
+nlohmann::ordered_json to_json(const Snapshot& state);
+
+/// Throws nlohmann::json::exception if `json` is no pose or state.
+Pose pose_from(const nlohmann::json& json);
+Snapshot snapshot_from(const nlohmann::json& json);
 
 struct TrajectoryRecord {
   std::map<std::string, std::string> made_from;  // of the scene and the method, by their keys

@@ -6,8 +6,6 @@
 #include <optional>
 
 #include "render/mesh/chain_mesh.h"
-#include "render/mesh/link_frames.h"
-#include "render/mesh/pieces.h"
 
 namespace taut::mesh {
 namespace {

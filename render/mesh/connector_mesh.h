@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "render/mesh/moving_mesh.h"
+#include "render/mesh/chain_mesh.h"
 #include "scenes/scene/stage.h"
 #include "sim/world/connector.h"
 

@@ -8,13 +8,60 @@
 #include <cstdint>
 
 #include "render/options/scene_options.h"
-#include "render/options/settings_help.h"
 #include "render/program/command.h"
 #include "scenes/format/document.h"
-#include "scenes/format/scene_keys.h"
+#include "scenes/format/format.h"
 #include "scenes/load/load_scene.h"
+#include "sim/run/method.h"
 
 namespace taut::options {
+namespace {
+
+std::string words_of(const ShownScene& scene) {
+  std::string words = quoted(scene.file);
+  for (const std::string& set : scene.set) words += " --set " + quoted(set);
+  return words;
+}
+
+/// Every setting, named or not: where the scene is of the same method, its own would hold else.
+std::string words_of(const MethodChoice& candidate) {
+  std::string words;
+  for (const auto& [name, value] : with_defaults(candidate)) {
+    words += " --set " + quoted(name + "=" + setting_text(value));
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string quoted(const std::string& word) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+-@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+std::string score_command(const ShownScene& scene, const MethodChoice& candidate, double share) {
+  return fmt::format("taut simulate {} --method {}{} --score {} --json -q", words_of(scene),
+                     candidate.name, words_of(candidate), share);
+}
+
+std::string classify_command(const ShownScene& scene,
+                             const std::vector<scenes::SceneChange>& changes,
+                             const std::string& label, const MethodChoice& candidate,
+                             double duration, double cap, bool scored) {
+  std::string words = words_of(scene);
+  for (const scenes::SceneChange& change : changes) {
+    words += " --set " + quoted(change.key + "=" + change.value);
+  }
+  for (const auto& [name, value] : candidate.settings) {
+    words += " --set " + quoted(name + "=" + setting_text(value));
+  }
+  return fmt::format("taut classify {} --set duration={} --methods {} --cap {}{}", words, duration,
+                     label, cap, scored ? "" : " --no-truth");
+}
 
 namespace {
 
@@ -178,6 +225,49 @@ std::string settings_text(const Settings& settings) {
     line += fmt::format("{}{} = {}", line.empty() ? "" : ", ", name, setting_text(value));
   }
   return line;
+}
+
+namespace {
+
+/// "tolerance = 1e-4 m".
+std::string default_of(const SettingInfo& setting) {
+  const bool unit = !setting.unit.empty() && setting.unit != "1";
+  return fmt::format("{} = {}{}{}", setting.name, setting_text(setting.fallback), unit ? " " : "",
+                     unit ? setting.unit : "");
+}
+
+/// The values that the setting accepts: "0.5 to 1", "more than 0", "rk4, verlet".
+std::string range_of(const SettingInfo& setting) {
+  std::string words;
+  for (const std::string_view choice : setting.choices) {
+    words += (words.empty() ? "" : ", ") + std::string(choice);
+  }
+  if (std::holds_alternative<bool>(setting.fallback)) words = "true, false";
+  if (!std::holds_alternative<double>(setting.fallback)) return words;
+  const std::string least = setting_text(setting.minimum);
+  words = setting.above ? "more than " + least : least;
+  if (setting.maximum < 1e300) {
+    words += (setting.above ? ", at most " : " to ") + setting_text(setting.maximum);
+  } else if (!setting.above) {
+    words += " or more";
+  }
+  return words + (setting.whole ? ", whole" : "");
+}
+
+}  // namespace
+
+std::string settings_help() {
+  std::string text =
+      "Settings of the methods, for --set NAME=VALUE and a scene's [method], with their "
+      "defaults:\n";
+  for (const MethodInfo& method : all_methods()) {
+    text += fmt::format("\n{}: {}\n", method.name, method.summary);
+    for (const SettingInfo& setting : method.settings) {
+      text += program::help_entry(default_of(setting),
+                                  fmt::format("{} [{}]", setting.meaning, range_of(setting)));
+    }
+  }
+  return text;
 }
 
 }  // namespace taut::options

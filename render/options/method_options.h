@@ -9,8 +9,30 @@
 
 #include "render/program/command.h"
 #include "scenes/scene/scene.h"
+#include "sim/run/method.h"
 
 namespace taut::options {
+
+// The commands that make what pages show, as a shell takes them.
+
+/// Which scene: its file, and what --set puts in place of its values.
+struct ShownScene {
+  std::string file;
+  std::vector<std::string> set;
+};
+
+/// A run's cost and its errors from `share` of the length up.
+std::string score_command(const ShownScene& scene, const MethodChoice& candidate, double share);
+
+/// The class of a run of `duration` (s) of the scene with changes, stopped after `cap` (s) of CPU
+/// time; with `scored`, told accurate from plausible.
+std::string classify_command(const ShownScene& scene,
+                             const std::vector<scenes::SceneChange>& changes,
+                             const std::string& label, const MethodChoice& candidate,
+                             double duration, double cap, bool scored);
+
+/// A word as a shell takes it for one.
+std::string quoted(const std::string& word);
 
 struct MethodOptions {
   std::string method;               // empty: the scene's
@@ -43,5 +65,10 @@ nlohmann::ordered_json settings_json(const Settings& settings);
 
 /// Settings as one line: step = 0.001, restitution = 0.2
 std::string settings_text(const Settings& settings);
+
+// The settings of the methods, as --help lists them.
+
+/// Every setting of every method: name, default, unit, range, meaning. From the list of methods.
+std::string settings_help();
 
 }  // namespace taut::options

@@ -10,11 +10,11 @@
 #include "render/base/error.h"
 #include "render/film/render_workers.h"
 #include "render/options/method_options.h"
-#include "render/program/note.h"
+#include "render/program/output.h"
 #include "scenes/format/document.h"
-#include "sim/run/footprint.h"
 #include "sim/run/islands.h"
-#include "sim/topology/room.h"
+#include "sim/run/simulation.h"
+#include "sim/topology/components.h"
 
 namespace taut::options {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "render/base/atomic_file.h"
 #include "render/base/interrupt.h"
-#include "render/program/note.h"
+#include "render/program/output.h"
 #include "render/program/program.h"
 #include "scenes/files/error.h"
 #include "scenes/load/default_stage.h"

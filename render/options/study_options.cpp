@@ -8,11 +8,11 @@
 #include <fstream>
 
 #include "render/base/atomic_file.h"
-#include "render/film/fingerprint.h"
+#include "render/film/frame_folder.h"
 #include "render/program/command.h"
-#include "scenes/files/standard_input.h"
+#include "scenes/files/regular_file.h"
 #include "scenes/load/load_scene.h"
-#include "sim/evaluation/sweep.h"
+#include "sim/evaluation/run.h"
 #include "sim/motion/hash.h"
 
 namespace taut::options {

@@ -12,7 +12,7 @@
 #include "render/program/command.h"
 #include "render/program/part.h"
 #include "scenes/scene/scene.h"
-#include "sim/run/method_choice.h"
+#include "sim/run/method.h"
 
 namespace taut::options {
 

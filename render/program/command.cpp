@@ -3,15 +3,141 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cstdint>
 #include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
-#include "render/program/help.h"
 #include "scenes/files/asset_path.h"
 
 namespace taut::program {
+namespace {
+
+constexpr std::size_t kWidth = 100, kColumn = 30;  // letters; where descriptions begin
+
+}  // namespace
+
+std::string help_entry(const std::string& name, const std::string& description) {
+  std::string text = "  " + name, line;
+  if (text.size() + 2 > kColumn) {
+    text += '\n';
+  } else {
+    line = text + std::string(kColumn - text.size(), ' ');
+    text.clear();
+  }
+  if (line.empty()) line = std::string(kColumn, ' ');
+  std::istringstream words(description);
+  bool first = true;
+  for (std::string word; words >> word; first = false) {
+    if (!first && line.size() + 1 + word.size() > kWidth) {
+      text += line + '\n';
+      line = std::string(kColumn, ' ');
+      first = true;
+    }
+    line += (first ? "" : " ") + word;
+  }
+  while (!line.empty() && line.back() == ' ') line.pop_back();
+  return text + line + '\n';
+}
+
+std::string value_of(const CLI::Option& option) {
+  std::string type = option.get_type_name();
+  type = type.substr(0, type.find_first_of(": "));
+  if (option.get_items_expected_max() == 0) return "";
+  if (type == "INT" || type == "UINT" || type == "FLOAT") return "N";
+  if (type != "TEXT" && !type.empty()) return type;
+  std::string name = option.get_name(false, false);
+  name.erase(0, name.find_first_not_of('-'));
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
+  return name;
+}
+
+namespace {
+
+class Format : public CLI::Formatter {
+ public:
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    const std::string value = value_of(*option);
+    std::string name = is_positional ? value : option->get_name(false, true);
+    if (is_positional && option->get_expected_max() > 1) name += "...";
+    if (!is_positional && !value.empty()) name += " " + value;
+    return help_entry(name, option->get_description());
+  }
+
+  std::string make_subcommand(const CLI::App* command) const override {
+    return help_entry(command->get_name(), command->get_description());
+  }
+
+  std::string make_usage(const CLI::App* app, std::string name) const override {
+    std::string usage = "\nUsage: " + name + " [OPTIONS]";
+    for (const CLI::Option* option :
+         app->get_options([](const CLI::Option* o) { return o->get_positional(); })) {
+      usage += option->get_required() ? " " + value_of(*option) : " [" + value_of(*option) + "]";
+      if (option->get_expected_max() > 1) usage += "...";
+    }
+    const bool has_commands =
+        !app->get_subcommands([](const CLI::App* a) { return !a->get_name().empty(); }).empty();
+    return usage + (has_commands ? " COMMAND" : "") + "\n\n";
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<CLI::Formatter> help_format() {
+  return std::make_shared<Format>();
+}
+
+namespace {
+
+std::optional<int> whole_number(std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 0) return {};
+  return value;
+}
+
+}  // namespace
+
+std::vector<int> frame_list(const std::optional<std::string>& text, int total) {
+  std::set<int> frames;
+  if (!text)
+    for (int i = 0; i < total; ++i) frames.insert(i);
+  std::string_view rest;
+  if (text) rest = *text;
+  while (!rest.empty()) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    const std::string_view part = rest.substr(0, comma);
+    const std::size_t dash = part.find('-');
+    const auto first = whole_number(part.substr(0, dash));
+    const auto last = dash == part.npos ? first : whole_number(part.substr(dash + 1));
+    if (!first || !last || *last < *first)
+      throw Misuse(fmt::format("--frames: '{}' is no frame or range (expected A-B,C)", part));
+    if (*last >= total)
+      throw Misuse(
+          fmt::format("--frames: frame {} is beyond the clip's last, {}", *last, total - 1));
+    for (int i = *first; i <= *last; ++i) frames.insert(i);
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  if (frames.empty()) throw Misuse("--frames: names no frame (expected A-B,C)");
+  return {frames.begin(), frames.end()};
+}
+
+std::pair<int, int> picture_size(const std::string& text) {
+  const std::string_view whole = text;
+  const std::size_t cross = std::min(whole.find('x'), whole.size() - 1);
+  const int width = whole_number(whole.substr(0, cross)).value_or(0);
+  const int height = whole_number(whole.substr(cross + 1)).value_or(0);
+  if (width == 0 || height == 0)
+    throw Misuse(fmt::format("--size: '{}' is no size (expected WxH, such as 1280x720)", text));
+  return {width, height};
+}
 
 Option& Option::range(double least, double most) {
   option_->check(CLI::Range(least, most));

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -12,29 +13,25 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "render/base/atomic_file.h"
 #include "render/base/error.h"
 #include "render/base/interrupt.h"
-#include "render/base/leftovers.h"
 #include "render/base/version.h"
 #include "render/program/command.h"
-#include "render/program/help.h"
-#include "render/program/json.h"
-#include "render/program/note.h"
+#include "render/program/output.h"
 #include "render/program/progress.h"
-#include "render/program/terminal.h"
 #include "scenes/files/error.h"
 #include "scenes/format/document.h"
-#include "sim/interventions/timeline.h"
+#include "sim/interventions/interventions.h"
 #include "sim/motion/printable.h"
 #include "sim/motion/stop.h"
 #include "sim/run/method.h"
 
 namespace taut::program {
-
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -303,6 +300,35 @@ int run_program(int argc, char** argv, std::span<const AddCommand> commands) {
     return parse_and_run(argc, argv, commands);
   } catch (const std::bad_alloc&) {
     return say_out_of_memory();
+  }
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::milliseconds kBetween{100};  // looks
+
+/// When each was written last; editors may take a file away for a moment.
+std::vector<fs::file_time_type> times_of(const std::vector<fs::path>& files) {
+  std::vector<fs::file_time_type> times;
+  std::error_code error;
+  for (const fs::path& file : files) times.push_back(fs::last_write_time(file, error));
+  return times;
+}
+
+}  // namespace
+
+int watch(const std::vector<fs::path>& files, const Common& common,
+          const std::function<int()>& work) {
+  for (;;) {
+    const auto seen = times_of(files);
+    const int code = guarded(common, work);
+    if (code == kInterrupted || code == kTerminated) return kDone;
+    while (times_of(files) == seen) {
+      if (render::pending_interrupt()) return kDone;
+      std::this_thread::sleep_for(kBetween);
+    }
   }
 }
 

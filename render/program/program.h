@@ -1,6 +1,7 @@
 // A program made of commands: options in, one command run, an exit code out.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <utility>
@@ -34,5 +35,12 @@ int run_words(const Common& common, AddCommand add, std::vector<std::string> wor
 
 /// Returns the exit code.
 int run_program(int argc, char** argv, std::span<const AddCommand> commands);
+
+// Work that is done again whenever a file is saved.
+
+/// Calls `work` now and whenever one of the files changes, until the program is interrupted, which
+/// is how it ends well. Errors of `work` are told, and wait for the next change.
+int watch(const std::vector<std::filesystem::path>& files, const Common& common,
+          const std::function<int()>& work);
 
 }  // namespace taut::program

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "render/base/error.h"
-#include "scenes/files/fault.h"
-#include "sim/interventions/timeline.h"
+#include "scenes/files/error.h"
+#include "sim/interventions/interventions.h"
 #include "sim/run/method.h"
 
 namespace taut::python {

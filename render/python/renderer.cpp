@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "scenes/load/default_stage.h"
-#include "scenes/scene/clip_simulation.h"
+#include "scenes/scene/clip.h"
 
 namespace taut::python {
 

@@ -6,7 +6,7 @@
 
 #include "render/python/scene.h"
 #include "render/python/signals.h"
-#include "sim/evaluation/sweep.h"
+#include "sim/evaluation/run.h"
 #include "sim/study/speed_accuracy.h"
 #include "sim/truth/truth.h"
 

@@ -5,13 +5,179 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
+#include "render/base/interrupt.h"
 #include "render/base/version.h"
 #include "render/chart/html_page.h"
-#include "render/options/reproduce.h"
+#include "render/clip/clip_job.h"
+#include "render/options/method_options.h"
+#include "render/program/command.h"
+#include "render/program/output.h"
+#include "render/program/progress.h"
+#include "render/study/accuracy_study.h"
 #include "scenes/files/regular_file.h"
+#include "sim/run/method.h"
 
 namespace taut::report {
+namespace {
+
+constexpr int kQualities[] = {70, 45, 20, 0};  // the first whose clip is small enough
+
+/// Of a clip: width in px, frames per second, and seconds.
+struct ClipForm {
+  int width = 320, fps = 15;
+  double duration = 6;
+};
+
+clips::RenderOptions small_clip(const options::StudyOptions& options, const ClipForm& form) {
+  clips::RenderOptions clip;
+  clip.inputs.scenes = {options.scene};
+  clip.scene = options.scene;
+  clip.fps = form.fps;
+  clip.samples = 4;
+  clip.no_estimate = true;
+  clip.method.set = options.inputs.set;
+  return clip;
+}
+
+/// Frames of a clip, the last included.
+struct FrameRange {
+  std::ptrdiff_t first = 0, last = 0;
+};
+
+/// As many pixels high as the scene's picture asks for, both sides even. Returns the frames from
+/// the first that no card covers.
+FrameRange choose_size(clips::RenderOptions& clip, int width, const program::Common& common) {
+  clips::RenderOptions whole = clip;
+  whole.no_video = true;
+  const clips::ClipJob job(whole, common);
+  const double aspect = double(job.scene.height) / job.scene.width;
+  clip.size = fmt::format("{}x{}", width, 2 * std::max(1l, std::lround(width * aspect / 2)));
+  const auto open = std::ranges::find(job.clip, nullptr, &scenes::ClipFrame::card);
+  return {open == job.clip.end() ? 0 : open - job.clip.begin(), std::ssize(job.clip) - 1};
+}
+
+std::string command_of(const clips::RenderOptions& clip) {
+  std::string words = options::quoted(clip.scene);
+  for (const std::string& set : clip.method.set) words += " --set " + options::quoted(set);
+  return fmt::format(
+      "taut render {} --method {} --size {} --fps {} --samples {} --frames {} "
+      "--no-estimate --quality {} --out {} -o {}",
+      words, clip.method.method, clip.size, clip.fps, clip.samples, *clip.frames,
+      clip.output.quality, options::quoted(clip.out), options::quoted(clip.output.file));
+}
+
+/// Makes it smaller and smaller until it has at most so many bytes.
+ReportClip made(clips::RenderOptions clip, std::size_t most, const program::Common& common) {
+  ReportClip result{clip.method.method, "", {}, ""};
+  try {
+    for (const int quality : kQualities) {
+      clip.output.quality = quality;
+      result.command = command_of(clip);
+      clips::draw_clip(clips::ClipJob(clip, common), common);
+      if (std::filesystem::file_size(clip.output.file) > most) continue;
+      result.file = clip.output.file;
+      return result;
+    }
+    result.words = "larger than this page has room for";
+  } catch (const Diverged& error) {
+    result.words = error.what();
+  } catch (const program::Misuse& error) {
+    result.words = error.what();
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<ReportClip> report_clips(const options::StudyOptions& options,
+                                     const std::vector<options::Contender>& contenders,
+                                     const std::filesystem::path& folder, std::size_t most,
+                                     const program::Common& common) {
+  const ClipForm form = options.quick ? ClipForm{240, 12, 3} : ClipForm{};
+  const program::Common quiet{true, false, common.threads};
+  clips::RenderOptions clip = small_clip(options, form);
+  const FrameRange open = choose_size(clip, form.width, quiet);
+  const auto most_frames = std::lround(form.fps * form.duration);
+  clip.frames = fmt::format("{}-{}", open.first, std::min(open.first + most_frames - 1, open.last));
+  std::vector<ReportClip> clips;
+  program::Progress progress("rendering", "clips", contenders.size(), common.quiet);
+  std::size_t done = 0;
+  for (const options::Contender& contender : contenders) {
+    render::stop_if_interrupted();
+    progress.update(++done);
+    if (!contender.candidate.settings.empty() || !contender.method->missing.empty()) continue;
+    clip.method.method = contender.label;
+    clip.out = (folder / "clips" / contender.label).string();
+    clip.output.file = clip.out + ".webm";
+    clips.push_back(made(clip, most, quiet));
+  }
+  return clips;
+}
+
+std::filesystem::path report_picture(const options::StudyOptions& options,
+                                     const std::filesystem::path& folder,
+                                     const program::Common& common) {
+  const program::Common quiet{true, false, common.threads};
+  const ClipForm form{options.quick ? 480 : 960, 0};
+  clips::RenderOptions clip = small_clip(options, form);
+  const FrameRange open = choose_size(clip, form.width, quiet);
+  clip.frames = std::to_string((open.first + open.last) / 2);
+  clip.out = (folder / "picture").string();
+  clip.output.file = clip.out + ".webp";
+  try {
+    clips::draw_clip(clips::ClipJob(clip, quiet), quiet);
+  } catch (const Diverged&) {
+    return {};
+  }
+  return clip.output.file;
+}
+
+std::vector<ErrorAt> errors_over_time(const study::Run& run, const truth::Reference& reference,
+                                      double length) {
+  const study::Metric metric = study::share_of_length(length);
+  std::vector<ErrorAt> errors;
+  const std::size_t both = std::min(run.frames.size(), reference.frames.size());
+  for (std::size_t k = 0; k < both; ++k) {
+    errors.push_back({reference.frames[k].time,
+                      study::frame_error(run.frames[k], reference.frames[k], metric.distance)});
+  }
+  return errors;
+}
+
+nlohmann::ordered_json run_score(const scenes::Scene& scene, double share) {
+  if (scene.world.connectors.empty()) {
+    throw program::Misuse(fmt::format("{}: has no connector to score", scene.file.string()));
+  }
+  if (!scene.timeline.cuts.empty()) {
+    throw program::Misuse(
+        fmt::format("{}: has cuts, which --score does not follow", scene.file.string()));
+  }
+  const double length = studies::scored_length(scene);
+  const studies::Target target = studies::scored_target(scene, share);
+  const study::Run run =
+      study::run(target.problem, scene.method, std::numeric_limits<double>::infinity());
+  const truth::Reference& truth = target.reference;
+  const bool diverged = run.end == study::Run::End::diverged;
+  nlohmann::ordered_json json = {
+      {"scene", scene.file.string()},
+      {"method", scene.method.name},
+      {"settings", options::settings_json(with_defaults(scene.method))},
+      {"horizon_s", truth.horizon},
+      {"self_error", truth.self_error / length},
+      {"rms_error",
+       program::number_or_null(study::rms_error(run.frames, truth.frames, truth.horizon,
+                                                study::share_of_length(length).distance))},
+      {"cpu_ms_per_simulated_s", 1e3 * run.cpu / target.problem.duration()},
+      {"diverged_at_s", diverged ? program::Json(run.failed_at) : program::Json(nullptr)},
+      {"errors", nlohmann::ordered_json::array()}};
+  for (const ErrorAt& at : errors_over_time(run, truth, length)) {
+    json["errors"].push_back({{"t_s", at.time}, {"error", program::number_or_null(at.error)}});
+  }
+  return json;
+}
+
 namespace {
 
 constexpr std::size_t kMostPoints = 60;  // of a method's errors over time

@@ -10,8 +10,7 @@
 
 #include "render/chart/html_page.h"
 #include "render/options/method_options.h"
-#include "render/options/reproduce.h"
-#include "render/program/json.h"
+#include "render/program/output.h"
 
 namespace taut::studies {
 namespace {

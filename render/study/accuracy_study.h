@@ -1,7 +1,7 @@
 // The runs behind a chart of speed against accuracy.
 #pragma once
 
-#include "render/program/journal.h"
+#include "render/program/part.h"
 #include "render/study/accuracy_page.h"
 #include "render/study/study_target.h"
 

@@ -3,9 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "render/base/interrupt.h"
 #include "render/options/method_options.h"
-#include "render/program/json.h"
+#include "render/program/command.h"
+#include "render/program/output.h"
+#include "render/program/program.h"
+#include "render/program/progress.h"
+#include "render/study/study_target.h"
 
 namespace taut::studies {
 namespace {
@@ -302,6 +308,170 @@ std::string bench_json(const BenchResults& results) {
       json["equal_error"].push_back(json_of(one));
   }
   return program::json_text(json) + "\n";
+}
+
+namespace {
+
+constexpr int kFrames = 100;
+
+study::Problem frames_of(const scenes::Scene& scene) {
+  study::Problem problem{scene.world, {}, scene.timeline};
+  for (int k = 1; k <= kFrames; ++k) problem.times.push_back(static_cast<double>(k) / scene.fps);
+  return problem;
+}
+
+/// The paper's ratio at one number of particles, over the first frames of the scene.
+study::PaperRatio measure_ratio(const options::StudyOptions& options,
+                                const std::vector<options::Contender>& contenders,
+                                const scenes::Scene& scene, double seconds) {
+  for (const PaperRole role : {PaperRole::proposed, PaperRole::particle_system}) {
+    const bool timed = options::place_of(contenders, role) < contenders.size();
+    if (!timed || !follows(*find_method(role), scene.world)) return {};
+  }
+  truth::TruthOptions truth;  // errors of a hundredth of the length are asked for, and not less
+  truth.scored_error = 0.01 * scene.world.connectors.front().length;
+  truth.local_error = 1e-9;
+  truth.second_accuracy = 1e-5;
+  const Target target = target_of(scene, static_cast<double>(kFrames) / scene.fps, truth);
+  std::vector<study::Entrant> entrants;
+  for (const options::Contender& one : contenders) {
+    entrants.push_back({one.label, one.method, options::candidates_of(one, options.quick)});
+  }
+  return study::paper_ratio(target.problem, target.reference, 1.0 / scene.fps, entrants, seconds,
+                            render::stop_if_interrupted);
+}
+
+BenchBlock measure(const options::StudyOptions& options,
+                   const std::vector<options::Contender>& contenders, std::size_t particles,
+                   double seconds) {
+  const scenes::Scene scene = options::study_scene(options, particles);
+  std::vector<MethodChoice> candidates;
+  for (const options::Contender& one : contenders) {
+    if (one.method->missing.empty()) candidates.push_back(one.candidate);
+  }
+  study::BenchOptions limits;
+  limits.repeats = options.quick ? 5 : 25;
+  limits.seconds = seconds / 2 / static_cast<double>(std::max<std::size_t>(1, candidates.size()));
+  limits.pause = render::stop_if_interrupted;
+  std::vector<study::BenchRow> measured = study::bench(frames_of(scene), candidates, limits);
+  BenchBlock block;
+  block.particles = particles;
+  std::size_t next = 0;
+  for (const options::Contender& one : contenders) {
+    if (one.method->missing.empty()) {
+      block.rows.push_back(std::move(measured[next++]));
+    } else {
+      study::BenchRow row;
+      row.candidate = one.candidate;
+      row.failure = one.method->missing;
+      block.rows.push_back(std::move(row));
+    }
+  }
+  block.paper = measure_ratio(options, contenders, scene, seconds / 2);
+  return block;
+}
+
+}  // namespace
+
+BenchResults measure_bench(const options::StudyOptions& options,
+                           const std::vector<std::size_t>& particles, const std::string& asked,
+                           bool quiet) {
+  const std::vector<options::Contender> contenders = options::chosen_contenders(options);
+  const std::size_t springs = options::place_of(contenders, PaperRole::particle_system);
+  const std::string against =
+      !asked.empty() ? asked : contenders[springs < contenders.size() ? springs : 0].label;
+  BenchResults results{options::study_scene(options), contenders, against, {}};
+  if (std::ranges::find(results.contenders, against, &options::Contender::label) ==
+      results.contenders.end()) {
+    throw program::Misuse(fmt::format("--against: {} is not among the methods timed", against));
+  }
+  const double seconds = options.budget / static_cast<double>(particles.size());
+  program::Progress progress("timing", "numbers of particles", particles.size(), true);
+  for (const std::size_t n : particles) {
+    if (!quiet) program::note("timing {} particles\n", n);
+    results.blocks.push_back(measure(options, results.contenders, n, seconds));
+    progress.update(results.blocks.size());
+  }
+  return results;
+}
+
+namespace {
+
+/// The scene's rope let go from where it hangs between its first end and a point beside that, with
+/// its middle particle held there: an intervention.
+study::Problem with_pin(const options::StudyOptions& options) {
+  const scenes::Scene scene = options::study_scene(options);
+  const Connector& straight = scene.world.connectors.front();
+  const Vec3 end = straight.position.front() + Vec3(0.6 * straight.length, 0, 0);
+  const std::string start =
+      fmt::format("{{ hanging_to = [{:.17g}, {:.17g}, {:.17g}] }}", end.x(), end.y(), end.z());
+  study::Problem problem{
+      options::study_scene(options, {{options::connector_key(scene, "start"), start}}).world,
+      study::frame_times(scene.duration / 2, scene.fps)};
+  problem.world = with_change(std::move(problem.world), [](World& world) {
+    Connector& rope = world.connectors.front();
+    Hold pin;
+    pin.particle = rope.particles() / 2;
+    pin.to.point = rope.position[pin.particle];
+    rope.holds.push_back(pin);
+    std::ranges::sort(rope.holds, {}, &Hold::particle);
+  });
+  return problem;
+}
+
+}  // namespace
+
+Evidence gather_evidence(const options::StudyOptions& options, bool quiet) {
+  Evidence evidence;
+  evidence.bench = measure_bench(options, {kFew, kMany}, {}, quiet);
+  const scenes::Scene scene = options::study_scene(options, kFew);
+  evidence.length = scene.world.connectors.front().length;
+  truth::TruthOptions truth;
+  truth.scored_error = 1e-4 * evidence.length;
+  truth.second_accuracy = 1e-7;
+  const Target target = target_of(scene, scene.duration, truth);
+  if (target.problem.times.size() < 2 || evidence.bench.blocks[0].paper.settings.empty()) {
+    throw program::Misuse(fmt::format("{}: nothing is predictable", options.scene));
+  }
+  evidence.horizon = target.reference.horizon;
+  const study::Metric metric = study::share_of_length(evidence.length);
+  std::vector<std::vector<Snapshot>> all;
+  for (const options::Contender& one : evidence.bench.contenders) {
+    render::stop_if_interrupted();
+    all.emplace_back();
+    if (one.method->missing.empty()) {
+      all.back() = taut::study::run(target.problem, one.candidate, 60).frames;
+    }
+    evidence.errors.push_back(
+        study::rms_error(all.back(), target.reference.frames, evidence.horizon, metric.distance));
+  }
+  const auto& reference = all[evidence.at(PaperRole::dynamic_constraints)];
+  for (const auto& frames : all) {
+    double sum = 0;
+    const std::size_t both = std::min(frames.size(), reference.size());
+    for (std::size_t k = 0; k < both; ++k)
+      sum += study::segment_difference(frames[k], reference[k]);
+    evidence.differences.push_back(both ? sum / static_cast<double>(both) : NAN);
+  }
+  const study::Problem pinned = with_pin(options);
+  const auto reference_pinned = quick_reference(pinned, 0.01 * evidence.length, 10);
+  for (const options::Contender& one : evidence.bench.contenders) {
+    render::stop_if_interrupted();
+    evidence.pinned.push_back(NAN);
+    if (!one.method->missing.empty() || !reference_pinned) continue;
+    const study::Run result = taut::study::run(pinned, one.candidate, 60);
+    evidence.pinned.back() = study::rms_error(result.frames, reference_pinned->frames,
+                                              reference_pinned->horizon, metric.distance);
+  }
+  const std::string proposed(find_method(PaperRole::proposed)->name);
+  std::vector<double> with, without;
+  for (int i = 0; i < 15; ++i) {
+    render::stop_if_interrupted();
+    with.push_back(study::time_run(target.problem, {proposed, {}}));
+    without.push_back(study::time_run(target.problem, {proposed, {{"h", 0.0}}}));
+  }
+  evidence.always = study::spread(without).median / study::spread(with).median;
+  return evidence;
 }
 
 }  // namespace taut::studies

@@ -7,7 +7,7 @@
 #include "render/chart/chart.h"
 #include "render/chart/table.h"
 #include "render/options/study_options.h"
-#include "render/program/journal.h"
+#include "render/program/part.h"
 
 namespace taut::studies {
 

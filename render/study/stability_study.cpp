@@ -3,17 +3,218 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
+#include <span>
 
 #include "render/base/bounded.h"
 #include "render/base/interrupt.h"
-#include "render/program/journal.h"
-#include "render/program/note.h"
+#include "render/chart/html_page.h"
+#include "render/options/method_options.h"
+#include "render/program/output.h"
+#include "render/program/part.h"
 #include "render/program/progress.h"
 #include "render/study/study_target.h"
+#include "scenes/files/error.h"
 
 namespace taut::studies {
+namespace {
+
+std::vector<double> thinned(std::vector<double> values, bool quick) {
+  if (!quick) return values;
+  std::vector<double> some;
+  for (std::size_t i = 0; i < values.size(); i += 2) some.push_back(values[i]);
+  return some;
+}
+
+/// Mass (kg) at the last particle, beside its own.
+double load_of(const scenes::Scene& scene) {
+  const Connector& rope = scene.world.connectors.front();
+  const std::size_t last = rope.particles() - 1;
+  for (const Hold& hold : rope.holds) {
+    if (hold.particle != last) continue;
+    const bool free =
+        hold.to.kind == Attachment::Kind::body && !scene.world.bodies[hold.to.body].driven();
+    return free ? scene.world.bodies[hold.to.body].mass_properties.mass : 0;
+  }
+  return rope.particle_mass.back() - rope.mass / static_cast<double>(rope.particles());
+}
+
+std::string toml(const Vec3& v) {
+  return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
+}
+
+MapAxis mass_ratio(const scenes::Scene& scene, double load) {
+  const std::string key = options::connector_key(scene, "mass");
+  return {"mass_ratio",
+          "mass of the load / mass of the rope",
+          true,
+          {1, 10, 100, 1e3, 1e4, 1e5, 1e6},
+          [key, load](double ratio) {
+            return std::vector<scenes::SceneChange>{{key, fmt::format("{:.17g}", load / ratio)}};
+          },
+          "",
+          true};
+}
+
+MapAxis particles(const scenes::Scene& scene) {
+  // Where a free body hangs from what has a winch, the last link keeps its length.
+  const double least = scene.world.connectors.front().winch ? 3 : 2;
+  return {"particles",
+          "particles",
+          true,
+          {least, 5, 11, 41, 101, 321, 1000},
+          [key = options::connector_key(scene, "particles")](double n) {
+            return std::vector<scenes::SceneChange>{{key, fmt::format("{:.0f}", n)}};
+          },
+          "",
+          true};
+}
+
+MapAxis start_angle(const scenes::Scene& scene) {
+  return {"start_angle",
+          "start, degrees from hanging",
+          false,
+          {5, 30, 60, 90, 120, 150, 175},
+          [key = options::connector_key(scene, "start")](double degrees) {
+            const double a = degrees * std::numbers::pi / 180;
+            return std::vector<scenes::SceneChange>{
+                {key, fmt::format("{{ direction = {} }}", toml({std::sin(a), -std::cos(a), 0}))}};
+          },
+          ""};
+}
+
+/// The first end goes up by half the length from rest to rest: the lower end whips.
+MapAxis driven_speed(const scenes::Scene& scene) {
+  const Connector& rope = scene.world.connectors.front();
+  return {"driven_speed",
+          "peak speed of the driven end (m/s)",
+          true,
+          {0.1, 0.3, 1, 3, 10, 30, 100},
+          [from = options::connector_key(scene, "from"), at = rope.holds.front().to.point,
+           travel = rope.length / 2](double speed) {
+            const double time = 1.875 * travel / speed;  // a quintic's peak is 15/8 of its mean
+            return std::vector<scenes::SceneChange>{
+                {"paths.study", fmt::format("{{ keys = [ {{ t = 0, position = {}, ease = true }}, "
+                                            "{{ t = {:.17g}, position = {}, ease = true }} ] }}",
+                                            toml(at), time, toml(at + Vec3(0, travel, 0)))},
+                {from, "{ path = \"study\" }"}};
+          },
+          ""};
+}
+
+MapAxis stiffness() {
+  return {"stiffness", "stiffness of a link (N/m)",
+          true,        {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8},
+          nullptr,     "stiffness",
+          true};
+}
+
+/// A stiffness of the rope's material, which its scene gives under `key`: `unit` times powers of
+/// ten.
+MapAxis material_axis(const scenes::Scene& scene, const std::string& key, const std::string& label,
+                      double unit, double from, double until) {
+  MapAxis axis{key,
+               label,
+               true,
+               {},
+               [key = options::connector_key(scene, key)](double value) {
+                 return std::vector<scenes::SceneChange>{{key, fmt::format("{:.17g}", value)}};
+               },
+               ""};
+  const double decade = std::pow(10, std::ceil(std::log10(unit)));
+  for (double share = from; share < 2 * until; share *= 10) axis.values.push_back(share * decade);
+  return axis;
+}
+
+/// The stiffnesses that the rope's sections have: EA in its load's and its own weight, EI in that
+/// times the length squared.
+void add_material_axes(const scenes::Scene& scene, std::vector<MapAxis>& axes) {
+  const Connector& rope = scene.world.connectors.front();
+  if (rope.sections.empty()) return;
+  const Section& section = rope.sections.front();
+  const double weight = (rope.mass + load_of(scene)) * scene.world.gravity.norm();
+  if (!(weight > 0 && rope.length > 0)) return;
+  if (std::isfinite(section.axial_stiffness)) {
+    axes.push_back(
+        material_axis(scene, "axial_stiffness", "axial stiffness EA (N)", weight, 10, 1e6));
+  }
+  if (section.bending_stiffness > 0) {
+    axes.push_back(material_axis(scene, "bending_stiffness", "bending stiffness EI (N m²)",
+                                 weight * rope.length * rope.length, 1e-6, 1));
+  }
+}
+
+/// Whether the scene can have the value: its start may need more particles, and a stiffness follow
+/// from another key.
+bool is_possible(const options::StudyOptions& options, const MapAxis& axis, double value) {
+  try {
+    if (axis.changes) options::study_scene(options, axis.changes(value));
+    return true;
+  } catch (const scenes::BadScene&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::vector<MapAxis> map_axes(const options::StudyOptions& options, const scenes::Scene& scene) {
+  const Connector& rope = scene.world.connectors.front();
+  std::vector<MapAxis> axes;
+  if (const double load = load_of(scene); load > 0) axes.push_back(mass_ratio(scene, load));
+  axes.push_back(particles(scene));
+  axes.push_back(stiffness());
+  add_material_axes(scene, axes);
+  if (rope.holds.size() == 1 && rope.holds.front().particle == 0 &&
+      rope.holds.front().to.kind == Attachment::Kind::fixed) {
+    axes.push_back(driven_speed(scene));
+    axes.push_back(start_angle(scene));
+  }
+  for (MapAxis& axis : axes) {
+    axis.values = thinned(axis.values, options.quick);
+    std::erase_if(axis.values, [&](double value) { return !is_possible(options, axis, value); });
+  }
+  std::erase_if(axes, [](const MapAxis& axis) { return axis.values.size() < 2; });
+  return axes;
+}
+
+bool takes_part(const options::Contender& contender, const MapAxis& axis) {
+  return axis.setting.empty() || find_setting(*contender.method, axis.setting);
+}
+
+const SettingInfo* map_height(const MethodInfo& method) {
+  const SettingInfo* step = nullptr;
+  const SettingInfo* swept = nullptr;
+  for (const SettingInfo& setting : method.settings) {
+    if (!std::holds_alternative<double>(setting.fallback)) continue;
+    if (setting.name == "step") step = &setting;
+    if (!setting.sweep.empty() && !swept) swept = &setting;
+  }
+  // A method that has a tolerance beside its step is swept by that.
+  return step && (!swept || swept == step || method.longest_step) ? step : swept;
+}
+
+std::vector<double> map_heights(const SettingInfo& setting, bool quick) {
+  std::vector<double> values;
+  if (setting.name == "step") {
+    for (double step = 1.0 / 60; step > 1.0 / 20000; step /= 2) values.push_back(step);
+  } else {
+    for (const Setting& value : setting.sweep) values.push_back(std::get<double>(value));
+  }
+  std::ranges::sort(values);
+  if (setting.name != "step") {
+    // Sweeps go over many decades: a value in each is a row that can be read.
+    std::vector<double> apart;
+    for (const double value : values) {
+      if (apart.empty() || value > 9 * apart.back()) apart.push_back(value);
+    }
+    values = std::move(apart);
+  }
+  return thinned(std::move(values), quick);
+}
+
 namespace {
 
 /// CPU time shared out evenly among pieces of work: the rest of one goes to the others.
@@ -267,6 +468,239 @@ int map_part(const StabilityStudy& study, const options::StudyOptions& options,
   };
   return program::do_part(options.part, shared_work(study, axes, places),
                           options::study_folder(options), options::stamp_of(options), common, work);
+}
+
+namespace {
+
+/// In the order of MotionClass; dark to light from bad to good, so that grey print keeps the order.
+std::vector<chart::CellKind> kinds() {
+  return {{"not run", "-", 0xdddddd},
+          {std::string(study::name_of(study::MotionClass::failed)), "F", 0x3b0f70},
+          {std::string(study::name_of(study::MotionClass::stretched)), "S", 0x8c2981},
+          {std::string(study::name_of(study::MotionClass::over_damped)), "D", 0xde4968},
+          {std::string(study::name_of(study::MotionClass::accurate)), "A", 0xfcfdbf},
+          {std::string(study::name_of(study::MotionClass::plausible)), "P", 0xfe9f6d}};
+}
+
+/// Half way to the neighbours on either side of value `i`; `log`: of the logarithms.
+std::pair<double, double> edges(const std::vector<double>& values, std::size_t i, bool log) {
+  const auto to = [&](double v) { return log ? std::log(v) : v; };
+  const auto back = [&](double v) { return log ? std::exp(v) : v; };
+  const double here = to(values[i]);
+  const bool first = i == 0, last = i + 1 == values.size();
+  double below = first ? 0.5 : (here - to(values[i - 1])) / 2;
+  double above = last ? 0.5 : (to(values[i + 1]) - here) / 2;
+  if (first && !last) below = above;
+  if (last && !first) above = below;
+  return {back(here - below), back(here + above)};
+}
+
+std::size_t place(const std::vector<double>& values, double value) {
+  return static_cast<std::size_t>(std::ranges::find(values, value) - values.begin());
+}
+
+/// Where theory ends the stable steps, drawn over the map.
+chart::Series law_of(const StabilityMap& map, const options::Contender& contender) {
+  const MethodInfo& method = *contender.method;
+  chart::Series law{fmt::format("theory, {}: {}", method.name, method.longest_step_law),
+                    {0x000000, 1, 0},
+                    true,
+                    false,
+                    false,
+                    {}};
+  for (std::size_t i = 0; i < map.axis.values.size(); ++i) {
+    Settings settings = with_defaults(method, contender.candidate.settings);
+    if (!map.axis.setting.empty()) settings[map.axis.setting] = map.axis.values[i];
+    const double step = method.longest_step(map.worlds[i], settings);
+    if (step > 0 && std::isfinite(step)) law.points.push_back({map.axis.values[i], step});
+  }
+  return law;
+}
+
+/// A cell that took less than its cap has more of it in the command: another run of it may take
+/// longer.
+std::string command_of(const StabilityStudy& study, const StabilityMap& map,
+                       const options::Contender& contender, const MapCell& cell) {
+  MethodChoice candidate = contender.candidate;
+  candidate.settings[std::string(map_height(*contender.method)->name)] = cell.y;
+  if (!map.axis.setting.empty()) candidate.settings[map.axis.setting] = cell.x;
+  const World& world = map.worlds[place(map.axis.values, cell.x)];
+  const bool scored = study.scored && world.connectors.front().particles() <= kMostForTruth;
+  return options::classify_command(
+      {study.scene, study.set},
+      map.axis.changes ? map.axis.changes(cell.x) : std::vector<scenes::SceneChange>(),
+      contender.label, candidate, study.duration,
+      cell.over ? study.cap : std::max(study.cap, kTruthCap), scored);
+}
+
+/// Why a method has no map; empty: it has one.
+std::string unmapped(const options::Contender& contender) {
+  if (!map_height(*contender.method)) return "nothing to vary";
+  return std::string(contender.method->missing);
+}
+
+chart::Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t index) {
+  const options::Contender& contender = study.contenders[index];
+  chart::Panel panel;
+  panel.title = contender.label;
+  panel.x = {map.axis.label, map.axis.log};
+  if (!map.axis.log) {
+    for (const double value : map.axis.values)
+      panel.x.tics.emplace_back(value, options::rounded(value));
+  }
+  if (const std::string why = unmapped(contender); !why.empty()) {
+    panel.remarks.push_back({0.5, 0.5, why});
+    return panel;
+  }
+  const SettingInfo* setting = map_height(*contender.method);
+  const std::vector<double> heights = map_heights(*setting, study.quick);
+  panel.y = {fmt::format("{} ({})", setting->name, setting->unit), true};
+  panel.y.minimum = edges(heights, 0, true).first;
+  panel.y.maximum = edges(heights, heights.size() - 1, true).second;
+  for (const MapCell& cell : map.cells) {
+    if (cell.contender != index) continue;
+    const auto x = edges(map.axis.values, place(map.axis.values, cell.x), map.axis.log);
+    const auto y = edges(heights, place(heights, cell.y), true);
+    panel.cells.push_back({x.first, x.second, y.first, y.second,
+                           static_cast<std::size_t>(cell.classification.motion_class), cell.x,
+                           cell.y, command_of(study, map, contender, cell)});
+  }
+  if (contender.method->longest_step && setting->name == "step") {
+    panel.series.push_back(law_of(map, contender));
+  }
+  return panel;
+}
+
+/// The methods that keep energy and length in the largest and in the smallest share of their runs.
+std::string finding(const StabilityStudy& study, std::span<const StabilityMap> maps) {
+  struct Share {
+    std::string label;
+    double good = 0, all = 0;
+    double percent() const { return 100 * good / all; }
+  };
+  std::vector<Share> shares;
+  for (std::size_t c = 0; c < study.contenders.size(); ++c) {
+    Share share{study.contenders[c].label, 0, 0};
+    for (const StabilityMap& map : maps) {
+      for (const MapCell& cell : map.cells) {
+        if (cell.contender != c) continue;
+        // That depends on the machine: it says nothing about the method.
+        if (cell.classification.motion_class == study::MotionClass::over_cap) continue;
+        ++share.all;
+        share.good += cell.classification.motion_class == study::MotionClass::accurate ||
+                      cell.classification.motion_class == study::MotionClass::plausible;
+      }
+    }
+    if (share.all > 0) shares.push_back(std::move(share));
+  }
+  if (shares.empty()) return "No method took part";
+  const auto [worst, best] = std::ranges::minmax(shares, {}, &Share::percent);
+  std::string line =
+      fmt::format("{} keeps energy and length in {:.0f}% of its runs", best.label, best.percent());
+  if (worst.percent() < best.percent()) {
+    line += fmt::format(", {} in {:.0f}%", worst.label, worst.percent());
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string stability_finding(const StabilityStudy& study) {
+  return finding(study, study.maps);
+}
+
+chart::Table stability_table(const StabilityStudy& study) {
+  chart::Table table{{"map", "value", "method", "setting", "at", "class", "energy gained",
+                      "energy lost", "stretch", "error (share of length)", "reason"},
+                     {}};
+  for (const StabilityMap& map : study.maps) {
+    for (const MapCell& cell : map.cells) {
+      const options::Contender& contender = study.contenders[cell.contender];
+      const study::Classification& j = cell.classification;
+      table.add({map.axis.name, options::rounded(cell.x), contender.label,
+                 std::string(map_height(*contender.method)->name), options::rounded(cell.y),
+                 std::string(study::name_of(j.motion_class)), options::rounded(j.gain),
+                 options::rounded(j.loss), options::rounded(j.stretch), options::rounded(j.error),
+                 cell.reason});
+    }
+  }
+  return table;
+}
+
+chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
+  chart::Chart chart;
+  chart.title = fmt::format("By {}: {}", map.axis.label, finding(study, {&map, 1}));
+  chart.subtitle = fmt::format(
+      "{}, runs of {} s. The first class that fits: failed (diverged or gained 10% of the energy), "
+      "stretched (a link by 1%), over-damped (lost 10%), accurate (within 1% of the length of "
+      "truth{}), plausible; the last two keep energy and length. Not run: what takes more than {} "
+      "s of "
+      "CPU time. {}",
+      study.title, options::rounded(study.duration),
+      study.scored ? "" : "; not told from plausible in a quick map", options::rounded(study.cap),
+      options::machine());
+  chart.kinds = kinds();
+  const auto has_map = [&](const options::Contender& contender) {
+    return takes_part(contender, map.axis) && unmapped(contender).empty();
+  };
+  const bool any = std::ranges::any_of(study.contenders, has_map);
+  std::string without;
+  for (std::size_t c = 0; c < study.contenders.size(); ++c) {
+    const options::Contender& contender = study.contenders[c];
+    if (any ? has_map(contender) : takes_part(contender, map.axis))
+      chart.panels.push_back(panel_of(study, map, c));
+    else if (takes_part(contender, map.axis))
+      without += fmt::format("{}{} ({})", without.empty() ? ". Without a map: " : ", ",
+                             contender.label, unmapped(contender));
+  }
+  chart.subtitle += without;
+  chart.columns = std::clamp<std::size_t>(chart.panels.size(), 1, 4);
+  const std::size_t rows = (chart.panels.size() + chart.columns - 1) / chart.columns;
+  chart.width = 1400;
+  chart.height = static_cast<int>(180 + 290 * rows);
+  return chart;
+}
+
+std::string stability_section(const StabilityStudy& study) {
+  std::string body;
+  for (const StabilityMap& map : study.maps) {
+    body += chart::html_chart(stability_chart(study, map));
+  }
+  return body;
+}
+
+std::string stability_page(const StabilityStudy& study) {
+  return chart::html_page(
+      study.title + ": where each method fails",
+      fmt::format("<p>Scene: {}. {}.</p>\n{}<h2>Every cell</h2>\n{}",
+                  chart::escape_html(study.scene), chart::escape_html(options::machine()),
+                  stability_section(study), chart::to_html(stability_table(study))));
+}
+
+std::string stability_json(const StabilityStudy& study) {
+  program::Json json = {{"scene", study.scene},
+                        {"machine", options::machine()},
+                        {"duration_s", study.duration},
+                        {"cpu_cap_s", study.cap},
+                        {"cells", program::Json::array()}};
+  for (const StabilityMap& map : study.maps) {
+    for (const MapCell& cell : map.cells) {
+      const options::Contender& contender = study.contenders[cell.contender];
+      const study::Classification& j = cell.classification;
+      json["cells"].push_back({{"map", map.axis.name},
+                               {"x", cell.x},
+                               {"method", contender.label},
+                               {"setting", map_height(*contender.method)->name},
+                               {"value", cell.y},
+                               {"class", study::name_of(j.motion_class)},
+                               {"energy_gain", program::number_or_null(j.gain)},
+                               {"energy_loss", program::number_or_null(j.loss)},
+                               {"stretch_max", program::number_or_null(j.stretch)},
+                               {"rms_error", program::number_or_null(j.error)},
+                               {"reason", cell.reason}});
+    }
+  }
+  return program::json_text(json) + "\n";
 }
 
 }  // namespace taut::studies

@@ -10,7 +10,7 @@
 #include "render/base/interrupt.h"
 #include "render/draw/shading/lighting.h"
 #include "render/program/command.h"
-#include "render/program/note.h"
+#include "render/program/output.h"
 #include "render/program/progress.h"
 #include "sim/run/cpu_time.h"
 

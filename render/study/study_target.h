@@ -7,7 +7,6 @@
 #include "scenes/scene/scene.h"
 #include "sim/evaluation/accuracy.h"
 #include "sim/evaluation/run.h"
-#include "sim/truth/reference.h"
 #include "sim/truth/truth.h"
 
 namespace taut::studies {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "render/program/json.h"
+#include "render/program/output.h"
 #include "render/study/accuracy_page.h"
 
 namespace taut::studies {

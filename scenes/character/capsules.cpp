@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scenes/character/fabric.h"
+#include "scenes/character/skeleton.h"
 
 namespace taut::scenes {
 namespace {

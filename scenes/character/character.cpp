@@ -1,11 +1,18 @@
 #include "scenes/character/character.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <mutex>
+#include <vector>
 
 #include "scenes/character/acting.h"
-#include "scenes/character/hanging_cloth.h"
-#include "scenes/character/reach.h"
+#include "scenes/character/cloth.h"
+#include "scenes/character/limb.h"
+#include "scenes/character/track.h"
+#include "sim/motion/side_by_side.h"
 
 namespace taut::scenes {
 namespace {
@@ -97,6 +104,124 @@ Path bone_path(const Performance& performance, std::size_t bone, double duration
     keys.push_back({time, pose.position, pose.rotation});
   }
   return Path(std::move(keys));
+}
+
+// The right arm has two freedoms left once the path holds the stick: the hand may roll about it,
+// and the elbow may swivel. Both are chosen by dynamic programming over the whole path on a grid of
+// angles, then smoothed.
+
+namespace {
+
+constexpr int roll_count = 48, swivel_count = 15;  // roll all round
+constexpr double roll_step = 2 * M_PI / roll_count;
+constexpr double swivel_first = -28 * degree, swivel_step = 8 * degree;
+constexpr int state_count = roll_count * swivel_count;
+constexpr int most_roll = 3, most_swivel = 2;  // steps on the grid from one instant to the next
+constexpr Eigen::Index every = 2;              // samples of the acting from one instant to the next
+
+/// Discomfort of an arm in degrees of wrist bend squared, roughly: angles in a joint's easy range
+/// cost little, those near its limit a lot.
+double discomfort(const ArmState& arm, const Quat& chest, double swivel) {
+  const double bend = arm.bend / degree, twist = arm.twist / degree, flexion = arm.flexion / degree;
+  const Vec3 upper = chest.conjugate() * (arm.elbow - arm.shoulder).normalized();
+  double cost = squared(bend) + 85 * squared(beyond(bend, 35));
+  cost += 0.1 * squared(twist) + 10 * squared(beyond(std::abs(twist), 70));
+  cost += 10 * squared(beyond(flexion, 130)) + 0.15 * squared(swivel / degree);
+  // The elbow neither goes far behind the back, nor across the chest, nor above the shoulder.
+  cost += 4e4 * (squared(beyond(-upper.z(), 0.5)) + squared(beyond(upper.x(), 0.2)) +
+                 squared(beyond(upper.y(), 0.1)));
+  return cost;
+}
+
+/// The least costly walk through the states; one state per instant.
+std::vector<int> cheapest_walk(const std::vector<float>& cost, std::size_t instants) {
+  std::vector<std::int16_t> from(cost.size());
+  std::vector<float> total(cost.begin(), cost.begin() + state_count), next(state_count);
+  const float roll_price = static_cast<float>(squared(roll_step / degree) * 2),
+              swivel_price = static_cast<float>(squared(swivel_step / degree) * 2);
+  for (std::size_t k = 1; k < instants; ++k) {
+    for (int s = 0; s < state_count; ++s) {
+      const int roll = s / swivel_count, swivel = s % swivel_count;
+      float least = std::numeric_limits<float>::infinity();
+      int best = s;
+      for (int dr = -most_roll; dr <= most_roll; ++dr) {
+        const int row = (roll + dr + roll_count) % roll_count * swivel_count;
+        for (int w = std::max(0, swivel - most_swivel);
+             w <= std::min(swivel_count - 1, swivel + most_swivel); ++w) {
+          const int dw = w - swivel;
+          const float price = total[static_cast<std::size_t>(row + w)] +
+                              roll_price * static_cast<float>(dr * dr) +
+                              swivel_price * static_cast<float>(dw * dw);
+          if (price < least) {
+            least = price;
+            best = row + w;
+          }
+        }
+      }
+      const auto at = k * state_count + static_cast<std::size_t>(s);
+      next[static_cast<std::size_t>(s)] = least + cost[at];
+      from[at] = static_cast<std::int16_t>(best);
+    }
+    total.swap(next);
+  }
+  std::vector<int> walk(instants);
+  walk.back() = static_cast<int>(std::min_element(total.begin(), total.end()) - total.begin());
+  for (std::size_t k = instants - 1; k > 0; --k)
+    walk[k - 1] = from[k * state_count + static_cast<std::size_t>(walk[k])];
+  return walk;
+}
+
+/// Shifts the pelvis toward the hand where the arm, at ease, would be short of it.
+void close_the_gap(const Figure& figure, const Path& path, Track& controls) {
+  Track gap(Eigen::MatrixXd::Zero(3, controls.count()), controls.rate());
+  for (Eigen::Index i = 0; i < controls.count(); ++i) {
+    const Controls c = controls[i];
+    const Placement torso = figure.skeleton().place(figure.torso(c));
+    const ArmState arm =
+        figure.right_arm(figure.right_shoulder(torso), figure.chest_turn(torso),
+                         path.at(controls.time(i)).pose(), c[hand_roll], c[elbow_swivel]);
+    const Vec3 reach = arm.wrist - arm.shoulder;
+    gap.samples().col(i) = beyond(reach.norm(), 0.985 * figure.right_reach()) * reach.normalized();
+  }
+  // Smoothing lowers peaks; half as much again makes up for it.
+  controls.samples().middleRows<3>(root_x) += 1.5 * gap.smoothed(0.06).samples();
+}
+
+}  // namespace
+
+void plan_arm(const Figure& figure, const Path& path, Track& controls) {
+  const auto instants = static_cast<std::size_t>((controls.count() - 1) / every + 1);
+  std::vector<float> cost(instants * state_count);
+  side_by_side(instants, [&](std::size_t k) {
+    const Eigen::Index i = static_cast<Eigen::Index>(k) * every;
+    const Placement torso = figure.skeleton().place(figure.torso(controls[i]));
+    const Vec3 shoulder = figure.right_shoulder(torso);
+    const Quat chest = figure.chest_turn(torso);
+    const Pose stick = path.at(controls.time(i)).pose();
+    for (int s = 0; s < state_count; ++s) {
+      const double swivel = swivel_first + swivel_step * (s % swivel_count);
+      const ArmState arm =
+          figure.right_arm(shoulder, chest, stick, roll_step * (s / swivel_count), swivel);
+      cost[k * state_count + static_cast<std::size_t>(s)] =
+          static_cast<float>(discomfort(arm, chest, swivel) + 1e6 * squared(arm.shortfall));
+    }
+  });
+  const std::vector<int> walk = cheapest_walk(cost, instants);
+
+  Track angles(Eigen::MatrixXd(2, static_cast<Eigen::Index>(instants)),
+               controls.rate() / static_cast<double>(every));
+  int roll = walk[0] / swivel_count;
+  for (std::size_t k = 0; k < instants; ++k) {
+    // The nearer way round, so that the roll is continuous.
+    const int step = walk[k] / swivel_count - (roll % roll_count + roll_count) % roll_count;
+    roll += (step + 3 * roll_count / 2) % roll_count - roll_count / 2;
+    angles.samples().col(static_cast<Eigen::Index>(k)) =
+        Eigen::Vector2d(roll * roll_step, swivel_first + swivel_step * (walk[k] % swivel_count));
+  }
+  const Track smooth = angles.smoothed(0.07);
+  for (Eigen::Index i = 0; i < controls.count(); ++i)
+    controls.samples().col(i).segment<2>(hand_roll) = smooth.at(controls.time(i));
+  close_the_gap(figure, path, controls);
 }
 
 }  // namespace taut::scenes

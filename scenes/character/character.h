@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "scenes/character/cues.h"
-#include "scenes/character/performance.h"
+#include "scenes/character/acting.h"
+#include "scenes/character/skeleton.h"
 #include "scenes/model/model.h"
 #include "sim/motion/path.h"
 

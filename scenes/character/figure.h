@@ -3,8 +3,7 @@
 
 #include <array>
 
-#include "scenes/character/fist.h"
-#include "scenes/character/grip.h"
+#include "scenes/character/hand.h"
 #include "scenes/character/limb.h"
 #include "scenes/character/skeleton.h"
 

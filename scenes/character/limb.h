@@ -1,9 +1,16 @@
 // Arms and legs: two bones that reach a point.
 #pragma once
 
+#include "scenes/character/skeleton.h"
 #include "sim/motion/types.h"
 
 namespace taut::scenes {
+
+// The limits of an arm.
+
+/// How much farther (m) the hand of a performance that make_performance() made is asked to be at
+/// `time` than a body that stands can bring it; 0: within its reach.
+double beyond_reach(const Performance& performance, double time);
 
 /// The two bones of a limb at rest: from its root joint to the middle one, and on to its end (m).
 struct Limb {

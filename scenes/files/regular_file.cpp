@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/files/standard_input.h"
 #include "sim/motion/printable.h"
 #include "sim/motion/stop.h"
 

@@ -7,9 +7,8 @@
 #include <charconv>
 #include <numeric>
 
-#include "scenes/files/fault.h"
+#include "scenes/files/error.h"
 #include "scenes/files/regular_file.h"
-#include "scenes/files/standard_input.h"
 
 namespace taut::scenes {
 

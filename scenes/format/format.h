@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scenes/files/error.h"
 #include "scenes/format/document.h"
 
 namespace taut::scenes {
@@ -72,5 +73,15 @@ const std::map<std::string_view, TableFormat>& method_formats();
 void check_format(const Document& document, const TableFormat& format = scene_format());
 /// The same of one of the document's tables.
 void check_format(const Document& document, const Value& table, const TableFormat& format);
+
+// All that the check of a document's format finds.
+
+/// The fault that check_format() would throw, and all that it would find after it.
+FirstFaults format_faults(const Document& document);
+
+// Dotted keys of a scene, as in connectors.rope.length.
+
+/// True where a key is one of the scene format, by its first word.
+bool is_scene_key(std::string_view key);
 
 }  // namespace taut::scenes

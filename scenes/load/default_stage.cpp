@@ -9,8 +9,7 @@
 
 #include "scenes/format/document.h"
 #include "scenes/load/load_scene.h"
-#include "scenes/scene/obstacle_model.h"
-#include "scenes/scene/shapes.h"
+#include "scenes/scene/stage.h"
 #include "sim/motion/stop.h"
 
 namespace taut::scenes {

@@ -9,7 +9,7 @@
 #include "scenes/format/format.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/reader/reader.h"
-#include "sim/run/companion.h"
+#include "sim/run/error_estimate.h"
 #include "sim/run/method.h"
 
 namespace taut::scenes {

@@ -4,14 +4,12 @@
 
 #include <algorithm>
 
-#include "scenes/format/format_keys.h"
-#include "scenes/format/old_keys.h"
+#include "scenes/format/scene_format.h"
 #include "scenes/load/plan_file.h"
 #include "scenes/reader/choreography.h"
 #include "scenes/reader/reader.h"
-#include "scenes/scene/names.h"
-#include "sim/run/bodies_as_links.h"
-#include "sim/run/coarser.h"
+#include "scenes/scene/scene.h"
+#include "sim/run/reduced.h"
 
 namespace taut::scenes {
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene/choreographed.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "scenes/files/regular_file.h"
-#include "scenes/files/standard_input.h"
 #include "scenes/reader/reader.h"
 #include "sim/motion/hash.h"
 #include "sim/run/simulation.h"

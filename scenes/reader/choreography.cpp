@@ -8,7 +8,7 @@
 
 #include "sim/choreography/choreography.h"
 #include "sim/choreography/flat_chain.h"
-#include "sim/choreography/hand_frame.h"
+#include "sim/choreography/flat_fit.h"
 
 namespace taut::scenes {
 namespace {

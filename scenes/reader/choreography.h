@@ -3,7 +3,6 @@
 
 #include "scenes/format/document.h"
 #include "scenes/reader/motions.h"
-#include "scenes/scene/choreographed.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {

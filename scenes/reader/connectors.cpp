@@ -8,15 +8,15 @@
 #include <set>
 #include <stdexcept>
 
+#include "scenes/reader/common.h"
 #include "scenes/reader/joints.h"
-#include "scenes/reader/lines.h"
 #include "scenes/reader/reader.h"
-#include "scenes/reader/repeats.h"
-#include "scenes/reader/routes.h"
+#include "scenes/scene/scene.h"
 #include "sim/motion/rotation.h"
+#include "sim/world/hanging.h"
+#include "sim/world/places.h"
 
 namespace taut::scenes {
-
 namespace {
 
 /// Of all connectors together; more would fill a machine's memory before anything is simulated.
@@ -385,11 +385,9 @@ class Layout {
   /// evenly along a longer one if it is held at its end: it starts under tension.
   std::vector<Vec3> on_line(const Value& said, const std::vector<Vec3>& corners,
                             const Connector& connector, bool held) const {
-    constexpr double kRoundingInFile = 1e-6;
     double way = 0;
     for (std::size_t i = 1; i < corners.size(); ++i) way += (corners[i] - corners[i - 1]).norm();
-    const bool tense =
-        connector.stretches() && held && way > (1 + kRoundingInFile) * connector.length;
+    const bool tense = connector.stretches() && held && way > (1 + kRounding) * connector.length;
     if (tense || (connector.pulls && way < connector.length)) {
       return evenly_along(corners, connector.particles());
     }
@@ -497,6 +495,389 @@ class Layout {
 
 void read_connectors(const Document& document, Motions& motions, World& world) {
   Layout(document, motions, world).run();
+}
+
+namespace {
+
+/// Where the straight piece from a to b, taken from the share `u` on, leaves the ball of radius
+/// `r` about `centre`, as a share of the piece; above 1 when it stays inside.
+double exit_share(const Vec3& a, const Vec3& b, const Vec3& centre, double r) {
+  // |a + u (b - a) - centre|^2 = r^2; of the two zeros the larger is the way out.
+  const Vec3 piece = b - a, from = a - centre;
+  const double p = piece.dot(from), q = piece.squaredNorm();
+  if (q == 0) return 2;
+  return (-p + std::sqrt(std::max(0.0, p * p - q * (from.squaredNorm() - r * r)))) / q;
+}
+
+}  // namespace
+
+std::vector<Vec3> evenly_along(const std::vector<Vec3>& corners, std::size_t particles) {
+  std::vector<double> until{0};  // m, of the corners
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    until.push_back(until.back() + (corners[i] - corners[i - 1]).norm());
+  }
+  std::vector<Vec3> line;
+  std::size_t piece = 0;
+  for (std::size_t i = 0; i < particles; ++i) {
+    const double along = until.back() * static_cast<double>(i) / static_cast<double>(particles - 1);
+    while (piece + 2 < corners.size() && until[piece + 1] < along) ++piece;
+    const double length = until[piece + 1] - until[piece];
+    const double share = length > 0 ? std::min(1.0, (along - until[piece]) / length) : 0;
+    line.push_back(corners[piece] + share * (corners[piece + 1] - corners[piece]));
+  }
+  return line;
+}
+
+std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t particles, double link) {
+  // The last link may miss its length by the rounding of the numbers in the file; one that ends at
+  // a corner by the rounding of the sums, or it would end beyond it by the root of that.
+  constexpr double rounding_in_file = 1e-6, rounding_of_sums = 1e-9;
+  std::vector<Vec3> line{corners.front()};
+  std::size_t piece = 0;
+  while (line.size() < particles) {
+    const Vec3 last = line.back();
+    for (;; ++piece) {
+      const double share = exit_share(corners[piece], corners[piece + 1], last, link);
+      const bool ends = piece + 2 == corners.size();
+      const double missing = (share - 1) * (corners[piece + 1] - corners[piece]).norm();
+      const double rounding = ends ? rounding_in_file : rounding_of_sums;
+      if (share <= 1 || (share < 2 && missing <= rounding * link)) {
+        line.push_back(corners[piece] + share * (corners[piece + 1] - corners[piece]));
+        break;
+      }
+      if (ends) return line;
+    }
+  }
+  return line;
+}
+
+std::vector<Vec3> polygon(const Vec3& axis, const Vec3& centre, const Connector& connector,
+                          const std::optional<Vec3>& first) {
+  const double corners = static_cast<double>(connector.links());
+  const double radius = connector.rest.front() / (2 * std::sin(std::numbers::pi / corners));
+  const Vec3 towards = first ? Vec3(*first - centre) : axis.unitOrthogonal();
+  const Vec3 x = (towards - axis.dot(towards) * axis).stableNormalized(), y = axis.cross(x);
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < connector.links(); ++i) {
+    const double turn = 2 * std::numbers::pi * static_cast<double>(i) / corners;
+    places.push_back(centre + radius * (std::cos(turn) * x + std::sin(turn) * y));
+  }
+  places.push_back(places.front());
+  return places;
+}
+
+namespace {
+
+constexpr int kCorners = 720;         // of a turn, as a polygon around the circle
+constexpr double kTurnsApart = 1.05;  // of the rope's thickness, from one turn to the next
+
+}  // namespace
+
+std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& gravity,
+                             const Winding& winding) {
+  const Pose frame = around.frame(0).pose();
+  const Vec3 axis = frame.rotation * Vec3::UnitY();
+  Vec3 down = gravity - axis.dot(gravity) * axis;
+  if (down.norm() < 1e-9 * gravity.norm() || gravity.isZero())
+    down = frame.rotation * -Vec3::UnitX();
+  down.normalize();
+  // Right-handed about the axis; rope that comes up from below is on the side of axis x down.
+  const Vec3 side = axis.cross(down);
+  const double step = 2 * std::numbers::pi / kCorners;
+  const double circle = (around.shape.radius + radius) / std::cos(step / 2);
+  const double rise = winding.turns > 1 ? kTurnsApart * 2 * radius * winding.turns : 0;
+  const int steps = std::max(1, static_cast<int>(std::lround(winding.turns * kCorners)));
+  std::vector<Vec3> corners;
+  for (int i = 0; i < steps; ++i) {
+    const double angle = (i + 0.5) * step, share = static_cast<double>(i) / steps;
+    corners.push_back(frame.position + (share - 0.5) * rise * axis +
+                      circle * (std::cos(angle) * side - std::sin(angle) * down));
+  }
+  // Straight on, along the tangents.
+  const double last = steps * step;
+  corners.insert(corners.begin(), corners.front() + winding.before * down);
+  corners.push_back(corners.back() -
+                    winding.after * (std::sin(last) * side + std::cos(last) * down));
+  return corners;
+}
+
+// Connectors that start outside of obstacles because their scene asks for it.
+
+namespace {
+
+constexpr int kSweeps = 10000;
+constexpr double kBeyond = 1e-3;  // of a link: how far past the surface a bead is moved
+constexpr double kMost = 0.25;    // of a link: how far at once, so that its neighbours can follow
+constexpr double kNotStretched = 1e-9;  // of a link
+
+/// The connector whose shape at the start this is, or one of its copies.
+bool is_of(const Connector& connector, const Value& value) {
+  return written_name(connector.name) == value.name;
+}
+
+bool keeps_lengths(const Connector& connector) {
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    const double length = (connector.position[k + 1] - connector.position[k]).norm();
+    const double longer = length / connector.rest[k] - 1;
+    if (connector.pulls ? longer > kNotStretched : std::abs(longer) > kNotStretched) return false;
+  }
+  return true;
+}
+
+/// Moves beads that are inside of an obstacle out of it, along the unit vector `out`. Whether there
+/// were any.
+bool move_beads(const std::vector<Obstacle>& obstacles, const Vec3& out, Connector& connector) {
+  const double link = connector.rest.front();
+  bool found = false;
+  for (const Obstacle& obstacle : obstacles) {
+    if (!obstacle.touches(connector.category)) continue;
+    const Pose frame = obstacle.frame(0).pose();
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (holds(connector, i)) continue;
+      const double apart = gap(obstacle, frame, connector.position[i], connector.radius).distance;
+      if (apart >= 0) continue;
+      // No way out is shorter than that to the surface nearby.
+      connector.position[i] += std::min(kBeyond * link - apart, kMost * link) * out;
+      found = true;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+void push_out_starts(const Document& document, World& world) {
+  const Value* table = document.root.find("connectors");
+  for (std::size_t c = 0; table && c < table->children.size(); ++c) {
+    const Value& value = table->children[c];
+    const Value* start = value.find("start");
+    const Value* asked = start ? start->find("push_out") : nullptr;
+    if (!asked) continue;
+    const Vec3 out = direction(document, *asked);
+    for (const char* key : {"from", "to"}) {
+      const Value& end = *value.find(key);
+      if (!end.find("free") && !end.find("point_mass") && !end.find("fixed") && !end.find("path") &&
+          !end.find("bone")) {
+        document.fail_at_key(*asked, "needs ends that are free, fixed, on a path or on a bone");
+      }
+    }
+    LinkRestorer restorer;
+    for (Connector& connector : world.connectors) {
+      if (!is_of(connector, value)) continue;
+      int sweeps = 0;
+      while (move_beads(world.obstacles, out, connector)) {
+        restorer.restore(connector, 0);
+        if (++sweeps < kSweeps && keeps_lengths(connector)) continue;
+        document.fail_at_key(*asked,
+                             "found no place for it outside of the obstacles, expected another "
+                             "start");
+      }
+    }
+  }
+}
+
+namespace {
+
+constexpr double kAirDensity = 1.225;   // kg/m^3, at sea level and 15 degrees
+constexpr double kPoissonsRatio = 0.3;  // of most metals; rubber has nearly 0.5
+
+double area(double diameter) {
+  return std::numbers::pi * diameter * diameter / 4;
+}
+
+/// The share of its diameter that a connector has at the middle of a link.
+double taper_at(const Value* taper, double share) {
+  if (!taper) return 1;
+  const double place = share * static_cast<double>(taper->children.size() - 1);
+  const std::size_t before = std::min(static_cast<std::size_t>(place), taper->children.size() - 2);
+  const double ahead = place - static_cast<double>(before);
+  return (1 - ahead) * taper->children[before].number + ahead * taper->children[before + 1].number;
+}
+
+/// Half of each link's mass at either end; links are as heavy as `weight` says, together as before.
+void weigh_by_links(const std::vector<double>& weight, Connector& connector) {
+  double sum = 0;
+  for (const double link : weight) sum += link;
+  std::ranges::fill(connector.particle_mass, 0.0);
+  for (std::size_t k = 0; k < weight.size(); ++k) {
+    const double half = connector.mass * weight[k] / sum / 2;
+    connector.particle_mass[k] += half;
+    connector.particle_mass[k + 1] += half;
+  }
+}
+
+void check(const Document& document, const Value& value, const Connector& connector,
+           const Value& key) {
+  if (connector.model == ConnectorModel::span) {
+    document.fail_at_key(key, "needs model = \"links\", a massless span has none");
+  }
+  if (connector.length == 0) {
+    document.fail_at_key(key, "needs links that have a length, a joint has none");
+  }
+  if (key.name == "drag" && !document.root.find("air")) {
+    document.fail_at_key(key, "needs a table air");
+  }
+  const auto needs = [&](std::string_view one, std::string_view other) {
+    const Value* found = value.find(one);
+    if (found && !value.find(other) && !value.find("material")) {
+      document.fail_at_key(*found, fmt::format("needs {} or material", other));
+    }
+  };
+  needs("axial_damping", "axial_stiffness");
+  needs("rest_curvature", "bending_stiffness");
+  needs("twisting_stiffness", "bending_stiffness");
+  needs("twisting_damping", "twisting_stiffness");
+  needs("rest_twist", "twisting_stiffness");
+  const Value *twist = value.find("rest_twist"), *curvature = value.find("rest_curvature");
+  if (twist && twist->number != 0 && curvature) {
+    document.fail_at_key(*twist,
+                         "stands beside rest_curvature: what is curved at rest moves in a "
+                         "plane and is not twisted");
+  }
+}
+
+/// Whether its last particle is joined to its first.
+bool is_loop(const Value& connector) {
+  const Value* to = connector.find("to");  // a net has none
+  const Value* joined = to ? to->find("connector") : nullptr;
+  return joined && joined->text == connector.name &&
+         number_or(*connector.find("to"), "at", -1) == 0;
+}
+
+bool is_clamped(const Value& connector) {
+  return connector.find("from")->find("clamp") && connector.find("to")->find("clamp");
+}
+
+void check_turn(const Document& document, const Value& connector, const Value& turn) {
+  const auto fails = [&](const char* what) { document.fail_at_key(turn, what); };
+  if (!connector.find("twisting_stiffness") && !connector.find("material")) {
+    fails("needs twisting_stiffness or material");
+  }
+  if (!is_clamped(connector)) fails("needs a clamp at both ends: nothing twists without");
+  if (connector.find("rest_curvature")) {
+    fails("turns a connector with rest_curvature, which moves in a plane and is not twisted");
+  }
+}
+
+}  // namespace
+
+double mass_of(const Value& connector, double length) {
+  const Value* material = connector.find("material");
+  if (!material) return connector.find("mass")->number;
+  return material->find("density")->number * area(material->find("diameter")->number) * length;
+}
+
+void read_cord(const Document& document, const Value& value, Connector& connector) {
+  connector.restitution = number_or(value, "restitution", 0);
+  connector.radius =
+      number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
+  connector.links_touch = text_or(value, "contact", "beads") == "links";
+  const Value* taper = value.find("taper");
+  const Value* first = nullptr;
+  for (const std::string_view key :
+       {"axial_stiffness", "axial_damping", "bending_stiffness", "bending_damping",
+        "rest_curvature", "twisting_stiffness", "twisting_damping", "rest_twist", "material",
+        "drag", "taper"}) {
+    if (!first) first = value.find(key);
+  }
+  for (const char* end : {"from", "to"}) {
+    const Value* held = value.find(end);  // a net has none
+    if (!held) continue;
+    const Value* clamp = held->find("clamp");
+    if (clamp && !value.find("bending_stiffness") && !value.find("material")) {
+      document.fail_at_key(*clamp,
+                           "needs bending_stiffness or material: what bends freely has no "
+                           "direction at its end");
+    }
+    if (const Value* turn = held->find("turn")) check_turn(document, value, *turn);
+  }
+  // The particle where a loop closes is as heavy as the others.
+  if (is_loop(value)) weigh_by_links(std::vector<double>(connector.links(), 1.0), connector);
+  if (!first) return;
+  check(document, value, connector, *first);
+  Section section;
+  section.axial_stiffness = number_or(value, "axial_stiffness", section.axial_stiffness);
+  section.axial_damping = number_or(value, "axial_damping", 0);
+  section.bending_stiffness = number_or(value, "bending_stiffness", 0);
+  section.bending_damping = number_or(value, "bending_damping", 0);
+  section.rest_curvature = vec3_or(value, "rest_curvature", Vec3::Zero());
+  section.twisting_stiffness = number_or(value, "twisting_stiffness", 0);
+  section.twisting_damping = number_or(value, "twisting_damping", 0);
+  section.rest_twist = number_or(value, "rest_twist", 0);
+  section.diameter = 2 * connector.radius;
+  if (const Value* material = value.find("material")) {
+    const double modulus = material->find("youngs_modulus")->number;
+    section.diameter = material->find("diameter")->number;
+    section.axial_stiffness = modulus * area(section.diameter);
+    section.bending_stiffness =
+        section.axial_stiffness * section.diameter * section.diameter / 16;  // pi d^4 / 64
+    section.twisting_stiffness =  // E / 2 (1 + nu) times twice the area's second moment
+        section.bending_stiffness / (1 + number_or(*material, "poissons_ratio", kPoissonsRatio));
+  }
+  connector.sections.assign(connector.links(), section);
+  std::vector<double> weight;
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    const double middle = (static_cast<double>(k) + 0.5) / static_cast<double>(connector.links());
+    const double thick = taper_at(taper, middle), squared = thick * thick;
+    Section& own = connector.sections[k];
+    own.axial_stiffness *= squared;
+    own.axial_damping *= squared;
+    own.bending_stiffness *= squared * squared;
+    own.bending_damping *= squared * squared;
+    own.twisting_stiffness *= squared * squared;
+    own.twisting_damping *= squared * squared;
+    own.diameter *= thick;
+    weight.push_back(squared * (connector.rest[k] / connector.rest[0]));
+  }
+  if (taper || value.find("material")) weigh_by_links(weight, connector);
+  if (const Value* drag = value.find("drag")) {
+    connector.drag = {number_or(*drag, "across", 0), number_or(*drag, "along", 0)};
+  }
+}
+
+void check_curvatures(const Document& document, const World& world, const Timeline& timeline) {
+  const Value* table = document.root.find("connectors");
+  for (std::size_t c = 0; table && c < table->children.size(); ++c) {
+    const Value* key = table->children[c].find("rest_curvature");
+    if (!key || key->vec3().isZero()) continue;
+    const Connector& connector = world.connectors[c];
+    const Vec3 axis = key->vec3().normalized(), origin = connector.position[0];
+    const auto lies = [&](const Vec3& way) {
+      return std::abs(axis.dot(way)) <= kRounding * std::max(way.norm(), connector.length);
+    };
+    const auto joins = [&](const Joint& joint) {
+      return std::ranges::any_of(joint.particles,
+                                 [&](const auto& at) { return at.connector == c; });
+    };
+    bool plane = lies(world.gravity) &&
+                 (world.air.density == 0 || (lies(world.air.wind) && !world.air.gusts)) &&
+                 std::ranges::none_of(world.joints, joins);
+    for (const Vec3& at : connector.position) plane = plane && lies(at - origin);
+    for (const Vec3& velocity : connector.velocity) plane = plane && lies(velocity);
+    for (const Hold& hold : connector.holds) {
+      plane = plane && hold.to.kind == Attachment::Kind::fixed && lies(hold.clamp);
+    }
+    for (const TimedPin& pin : timeline.pins) {
+      if (pin.connector != c || !pin.to) continue;
+      plane = plane && pin.to->kind == Attachment::Kind::fixed && lies(pin.to->point - origin);
+    }
+    if (plane) continue;
+    document.fail_at_key(*key,
+                         "needs a motion in the plane across it: the connector, gravity, wind, "
+                         "clamps and pins in that, and ends that are free or fixed");
+  }
+}
+
+Air read_air(const Document& document) {
+  const Value* air = document.root.find("air");
+  if (!air) return {};
+  Air made{number_or(*air, "density", kAirDensity), vec3_or(*air, "wind", Vec3::Zero())};
+  if (const Value* file = air->find("file")) {
+    const auto found = find_file(document, *file);
+    made.gusts = with_place(document, *file,
+                            [&] { return std::make_shared<const Path>(read_path_csv(found)); });
+  }
+  return made;
 }
 
 }  // namespace taut::scenes

@@ -7,7 +7,7 @@
 #include <initializer_list>
 
 #include "scenes/reader/reader.h"
-#include "scenes/scene/names.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::scenes {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "scenes/files/regular_file.h"
-#include "scenes/format/format_keys.h"
+#include "scenes/format/scene_format.h"
 #include "scenes/reader/common.h"
 #include "sim/motion/rotation.h"
 

@@ -9,9 +9,9 @@
 
 #include "scenes/format/document.h"
 #include "scenes/reader/common.h"
+#include "scenes/reader/joints.h"
 #include "scenes/reader/motions.h"
 #include "scenes/reader/paths.h"
-#include "scenes/reader/winches.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {
@@ -40,8 +40,8 @@ void read_nets(const Document& document, World& world);
 std::size_t cord_count(const Value& net);
 /// The mass (kg) that a connector of this length has by its mass or its material.
 double mass_of(const Value& connector, double length);
-/// Keys that a connector and the cords of a net have in common: surface, sections of the links, drag
-/// of the air. Changes its masses where they follow the links.
+/// Keys that a connector and the cords of a net have in common: surface, sections of the links,
+/// drag of the air. Changes its masses where they follow the links.
 void read_cord(const Document& document, const Value& value, Connector& connector);
 /// The air of a scene.
 Air read_air(const Document& document);

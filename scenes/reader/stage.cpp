@@ -1,3 +1,5 @@
+#include "scenes/scene/stage.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,11 +7,9 @@
 #include <map>
 
 #include "scenes/model/load_model.h"
+#include "scenes/reader/common.h"
+#include "scenes/reader/joints.h"
 #include "scenes/reader/reader.h"
-#include "scenes/reader/repeats.h"
-#include "scenes/reader/routes.h"
-#include "scenes/scene/obstacle_model.h"
-#include "scenes/scene/shapes.h"
 
 namespace taut::scenes {
 

@@ -11,10 +11,21 @@
 #include <string_view>
 #include <vector>
 
-#include "scenes/scene/scene_method.h"
-#include "sim/run/neglect.h"
+#include "sim/run/method.h"
+#include "sim/run/reduced.h"
 
 namespace taut::scenes {
+
+// Which method a scene asks for.
+
+/// The method of a scene that names none.
+MethodChoice default_method();
+
+/// The longest step that is at most `step` (s) and divides a frame of 1/`fps`; none where that
+/// would change it by more than 2%.
+std::optional<double> dividing_step(double step, int fps);
+/// The step to give instead, as messages say it.
+std::string dividing_text(double step, int fps);
 
 /// Of a planned frame. Each is a share of what a pixel shows: more would change none by more than a
 /// 32nd of its contrast, however far things come.

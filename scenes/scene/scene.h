@@ -5,17 +5,39 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "scenes/character/performance.h"
+#include "scenes/character/skeleton.h"
 #include "scenes/scene/plan.h"
-#include "scenes/scene/scene_method.h"
 #include "scenes/scene/stage.h"
+#include "sim/choreography/flat_fit.h"
 #include "sim/run/simulation.h"
 #include "sim/run/trajectory.h"
 #include "sim/world/world.h"
 
 namespace taut::scenes {
+
+// The names of connectors that the reader makes of one.
+
+/// Whether it names a copy, a span behind a pulley or a cord of a net: these are numbered,
+/// "cord#2".
+inline bool is_numbered(std::string_view name) {
+  return name.find('#') != std::string_view::npos;
+}
+
+/// The name that the scene file has for it: "cord" of "cord#2".
+inline std::string_view written_name(std::string_view name) {
+  return name.substr(0, name.find('#'));
+}
+
+// A choreography as a scene asks for it.
+
+struct Choreographed {
+  choreography::Choreography problem;
+  double within = 0;           // m, of each waypoint
+  std::filesystem::path file;  // where the keys found stand
+};
 
 struct Scene {
   std::filesystem::path file;

@@ -1,6 +1,7 @@
 // The stage: everything that pictures need beside the simulated state. Plain data.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "scenes/model/model.h"
 #include "sim/motion/types.h"
+#include "sim/world/obstacle.h"
 
 namespace taut::scenes {
 
@@ -120,5 +122,29 @@ std::vector<std::string> left_out(const Stage& stage);
 
 /// The camera at `time` (s); before its first and after its last key it stands still.
 CameraView camera_at(const std::vector<CameraKey>& keys, double time);
+
+// A camera's view of a point.
+
+/// Where a camera sees a point: -1 to 1 from left to right and from the lower to the upper edge of
+/// a picture of that aspect, width over height; none behind the camera.
+std::optional<Eigen::Vector2d> on_picture(const CameraView& camera, double aspect,
+                                          const Vec3& point);
+
+// Models of plain solids, for bodies that name no mesh.
+
+// Centred on the origin; sizes in m; `color` linear.
+Model cylinder_model(double length, double diameter, const Vec3& color);  // axis along y
+Model sphere_model(double diameter, const Vec3& color);
+Model box_model(const Vec3& size, const Vec3& color);
+
+/// The vertex, as floats, at the end of the mesh; its index.
+std::uint32_t add_vertex(Mesh& mesh, const Vec3& position, const Vec3& normal);
+/// A four-sided face; a, b, c, d run counter-clockwise seen from outside.
+void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
+
+// Models of obstacles.
+
+/// A model of the shape at `place`; of a plane the square of the edge `size` (m) around its origin.
+Model obstacle_model(const Shape& shape, double size, const Pose& place, const Vec3& color);
 
 }  // namespace taut::scenes

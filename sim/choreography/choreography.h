@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim/choreography/problem.h"
+#include "sim/choreography/flat_fit.h"
 #include "sim/motion/path.h"
 #include "sim/world/world.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/features/features.h"
-#include "sim/run/bodies_as_links.h"
+#include "sim/run/reduced.h"
 #include "sim/world/state.h"
 
 namespace taut::choreography {

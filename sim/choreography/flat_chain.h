@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/interventions/timeline.h"
+#include "sim/interventions/interventions.h"
 #include "sim/world/world.h"
 
 namespace taut::choreography {

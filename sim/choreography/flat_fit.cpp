@@ -8,8 +8,80 @@
 #include <optional>
 
 #include "sim/contact/capsule.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::choreography {
+namespace {
+
+/// The hold at the other end of the connector that the body hangs by.
+const Attachment& lead(const World& world, std::size_t body) {
+  const auto& holds = hanging_chain(world, body).holds;
+  const bool first = holds[0].to.kind == Attachment::Kind::body && holds[0].to.body == body;
+  return holds[first ? 1 : 0].to;
+}
+
+}  // namespace
+
+std::shared_ptr<const Path> hand_path(const World& world, std::size_t body) {
+  const Attachment& to = lead(world, body);
+  return to.kind == Attachment::Kind::path ? to.path : world.bodies[to.body].path;
+}
+
+HandFrame::HandFrame(const World& world, std::size_t body, double pivot) : pivot_(pivot) {
+  const Attachment& to = lead(world, body);
+  const Vec3 lever =
+      to.kind == Attachment::Kind::path ? to.point : Vec3(to.point - world.bodies[to.body].grip);
+  const PathKey& last = hand_path(world, body)->keys().back();
+  lever_ = lever.norm();
+  rest_rotation_ = last.rotation;
+  along_ = lever_ > 0 ? Vec3(last.rotation * lever / lever_) : Vec3::UnitY();
+  rest_ = last.position + lever_ * along_;
+}
+
+TaylorSeries HandFrame::origin(const TaylorSeries& end) const {
+  TaylorSeries origin = end;
+  if (!turns()) {
+    origin.col(0) -= lever_ * along_;
+    return origin;
+  }
+  TaylorSeries from_pivot = end;
+  from_pivot.col(0) -= rest_ - pivot_ * along_;
+  return end - lever_ * unit_series(from_pivot);
+}
+
+Quat HandFrame::rotation(const Vec3& end) const {
+  if (!turns()) return rest_rotation_;
+  return (rotation_between(along_, end - rest_ + pivot_ * along_) * rest_rotation_).normalized();
+}
+
+GaussianSum GaussianSum::between(double from, double until, double spacing) {
+  const double room = (until - from) / spacing - 2 * kSupport;
+  if (room < 0) return {from, spacing, 0};
+  return {from + kSupport * spacing, spacing, static_cast<Eigen::Index>(std::floor(room)) + 1};
+}
+
+GaussianSum::Local GaussianSum::at(double time, Eigen::Index columns) const {
+  const double place = (time - first) / spacing;
+  const auto clamped = [&](double index) {
+    return static_cast<Eigen::Index>(std::clamp(index, 0.0, static_cast<double>(count)));
+  };
+  Local local{clamped(std::ceil(place - kSupport)), {}};
+  const Eigen::Index end = std::max(local.begin, clamped(std::floor(place + kSupport) + 1));
+  local.series.resize(end - local.begin, columns);
+  for (Eigen::Index i = 0; i < local.series.rows(); ++i) {
+    // g = exp(-x^2 / 2) has g' = -x g, with x in standard deviations.
+    const double x = place - static_cast<double>(local.begin + i);
+    auto g = local.series.row(i);
+    g[0] = std::exp(-x * x / 2);
+    for (Eigen::Index k = 0; k + 1 < columns; ++k) {
+      g[k + 1] = -(x * g[k] + (k > 0 ? g[k - 1] : 0)) / static_cast<double>(k + 1);
+    }
+    double power = 1;
+    for (Eigen::Index k = 0; k < columns; ++k, power /= spacing) g[k] *= power;
+  }
+  return local;
+}
+
 namespace {
 
 constexpr std::size_t kNoWaypoint = static_cast<std::size_t>(-1);

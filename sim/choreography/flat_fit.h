@@ -2,14 +2,109 @@
 // given points.
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
 #include <vector>
 
-#include "sim/choreography/gaussian_sum.h"
-#include "sim/choreography/hand_frame.h"
-#include "sim/choreography/problem.h"
+#include "sim/choreography/flat_chain.h"
+#include "sim/interventions/interventions.h"
+#include "sim/motion/types.h"
+#include "sim/world/world.h"
 
 namespace taut::choreography {
+
+// The problem of a choreography: the waypoints, and the limits of the hand.
+
+/// A place that is to be passed.
+struct Waypoint {
+  double time = 0;               // s
+  Vec3 position = Vec3::Zero();  // m
+};
+
+/// Limits of the hand's path: a hundredth beyond costs the fit as much as a waypoint
+/// missed by 0.3 mm. HandPath tells what was kept.
+struct HandLimits {
+  Vec3 shoulder = Vec3::Zero();                                   // m
+  double reach = std::numeric_limits<double>::infinity();         // m, from the shoulder
+  double speed = std::numeric_limits<double>::infinity();         // m/s
+  double acceleration = std::numeric_limits<double>::infinity();  // m/s^2
+  /// m, between a line from the pivot to the chain's end, and the body's from where it hangs to the
+  /// point; counts where there is a pivot.
+  double clearance = 0;
+};
+
+/// The problem. The path that drives the other end of the body's connector rests from its last key
+/// on; there the hand's path begins, and there it ends.
+struct Choreography {
+  World world;  // at its start
+  Timeline timeline;
+  std::size_t body = 0;             // for which why_not_flat() has no reason
+  Vec3 point = Vec3::Zero();        // m, body frame, on the line that the body hangs by
+  std::vector<Waypoint> waypoints;  // times rising
+  double until = 0;                 // s, when hand and body rest again
+  HandLimits limits;
+  /// A held body points away from a place so far (m) behind the connector's end; infinite: it
+  /// keeps its orientation.
+  double pivot = std::numeric_limits<double>::infinity();
+};
+
+// Where a hand is that leads a connector's end, and how it turns.
+
+/// A path carries the end at a lever from its origin. The lever points away from a pivot that
+/// rests, as a stick in a hand turns about the elbow; with the pivot infinitely far it keeps its
+/// direction.
+class HandFrame {
+ public:
+  /// Of the connector that the body hangs by, at the pose of its driver's last key; the pivot is
+  /// `pivot` (m) behind the end.
+  HandFrame(const World& world, std::size_t body, double pivot);
+
+  /// The path's origin, from the series of the end that it leads.
+  TaylorSeries origin(const TaylorSeries& end) const;
+  /// The path's rotation; without spin about the lever.
+  Quat rotation(const Vec3& end) const;
+
+  /// The place that the lever points away from (m); nothing where there is none.
+  std::optional<Vec3> pivot() const {
+    return turns() ? std::optional<Vec3>(rest_ - pivot_ * along_) : std::nullopt;
+  }
+  /// Where the end is at rest (m).
+  const Vec3& rest() const { return rest_; }
+
+ private:
+  bool turns() const { return lever_ > 0 && std::isfinite(pivot_); }
+
+  Vec3 rest_, along_;  // m; of the lever at rest, a unit vector
+  Quat rest_rotation_;
+  double lever_ = 0, pivot_ = 0;  // m
+};
+
+/// The path that drives the connector of that body.
+std::shared_ptr<const Path> hand_path(const World& world, std::size_t body);
+
+// Curves that are sums of Gaussians at even times: analytic, so that every derivative exists, and
+// each coefficient bends its own part of the curve alone.
+
+/// Gaussians of standard deviation `spacing` (s) at first + k spacing, for k below `count`.
+struct GaussianSum {
+  double first = 0, spacing = 1;  // s
+  Eigen::Index count = 0;
+
+  /// Beyond so many spacings a Gaussian counts as zero, it and its derivatives.
+  static constexpr double kSupport = 6;
+  /// From rest at `from` to rest at `until`; no Gaussians where that is too short for one.
+  static GaussianSum between(double from, double until, double spacing);
+
+  /// Of the Gaussians that are not zero at `time`, beginning with `begin`: rows of Taylor series.
+  struct Local {
+    Eigen::Index begin = 0;
+    Eigen::MatrixXd series;
+  };
+  Local at(double time, Eigen::Index columns) const;
+};
 
 /// Least squares over the coefficients of the free end's curve: how far the waypoints are missed,
 /// by how much limits are exceeded, and the hand's jerk, which people's hands keep low (Flash and

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/contact/near_links.h"
+#include "sim/contact/capsule.h"
 #include "sim/links/mechanism.h"
 #include "sim/world/world.h"
 

@@ -1,6 +1,6 @@
 // A method of one's own joins the list, and is compared with others on a swinging rope.
 #include <taut/sim/options.h>
-#include <taut/sim/run/add_method.h>
+#include <taut/sim/run/method.h>
 #include <taut/sim/study/speed_accuracy.h>
 
 #include <cstdio>

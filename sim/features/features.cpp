@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/interventions/timeline.h"
+#include "sim/interventions/interventions.h"
 #include "sim/world/held.h"
 #include "sim/world/state.h"
 

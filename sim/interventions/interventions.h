@@ -1,18 +1,74 @@
 // Interventions: unforeseen changes of a world between two steps.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "sim/interventions/outcome.h"
+#include "sim/world/hanging.h"
 #include "sim/world/places.h"
-#include "sim/world/restore.h"
 #include "sim/world/ties.h"
 #include "sim/world/world.h"
 
 namespace taut {
+
+// Where pins are.
+
+struct PinnedHold {
+  Connector* connector = nullptr;
+  std::size_t hold = 0;
+};
+
+/// The hold of a pin, or null; looks at the connector `first` before the others.
+inline PinnedHold find_pin(World& world, std::uint64_t pin, std::size_t first) {
+  if (pin == 0) return {};
+  const auto find_on = [&](Connector& connector) -> PinnedHold {
+    for (std::size_t h = 0; h < connector.holds.size(); ++h) {
+      if (connector.holds[h].pin.number == pin) return {&connector, h};
+    }
+    return {};
+  };
+  if (first < world.connectors.size()) {
+    if (const PinnedHold found = find_on(world.connectors[first]); found.connector) return found;
+  }
+  for (Connector& connector : world.connectors) {
+    if (const PinnedHold found = find_on(connector); found.connector) return found;
+  }
+  return {};
+}
+
+// Keeps World::topology what structure() tells, without a look at what has not changed.
+
+/// Weighs a free body with all that it holds.
+inline void reweigh_and_renumber(World& world, const Ties& ties, std::size_t body) {
+  world.topology -= structure_of_body(world, body);
+  reweigh(world.bodies[body], ties.laden(world, body));
+  world.topology += structure_of_body(world, body);
+}
+
+// Outcomes of interventions.
+
+/// The outcome of an intervention; all but `done` have changed nothing.
+enum class Outcome {
+  done,
+  no_connector,  // the world has no such connector
+  outside,       // not a place along the connector
+  no_target,     // no such body or path, or a point that is not finite
+  held_there,    // something holds the connector at that place already
+  joined_there,  // the connector is joined there, which no cut divides
+  out_of_reach,  // farther from another hold than the connector is long between them
+  too_near,      // nearer to another hold than the links between them can fold
+  no_pin,        // never set, or released already
+  has_winch,     // a connector whose length changes is neither pinned nor cut
+};
+
+/// Says it in words that end a sentence about the intervention.
+std::string_view words(Outcome outcome);
 
 struct Pinned {
   Outcome outcome = Outcome::done;
@@ -106,5 +162,106 @@ bool exists(const World& world, const Attachment& to);
 
 /// Where the material point at `along` (m) of the connector is, and how it moves.
 PointMotion material_point(const Connector& connector, double along);
+
+// Where a connector lets its places be taken.
+
+/// Whether `along` (m) is on the connector.
+bool on(const Connector& connector, double along);
+
+/// Where a particle will be once it is drawn to what holds it, as far as that is known.
+Vec3 goal(const World& world, const Attachment& to, double arrival);
+
+/// Where a place is to go, and whether it is drawn there.
+struct Move {
+  Vec3 now, target;
+  bool drawn;
+};
+
+/// Whether what holds the connector elsewhere, where it is and where it is being drawn to, lets the
+/// place go to the target or, drawn, straight there; then free bodies follow. One pass over the
+/// links, from the place to the first hold on either side that does not give way: the links beyond
+/// it begin there.
+Outcome feasible(const World& world, const Connector& connector, const Place& place,
+                 const Move& move);
+
+/// How far the span around a particle that was added can go once the links beside it are one.
+enum class Joined { straightens, needs_a_body, bent };
+
+/// A span as it will be, once some of its particles have gone.
+struct JoinedSpan {
+  std::size_t first = 0, last = 0;  // particles, as they are now
+  double length = 0, longest = 0;   // m, of it and its longest link
+};
+
+/// Holds on either side may be nearer than the links between them fold; then a free body among them
+/// must give way.
+Joined join(const World& world, const Connector& connector, const JoinedSpan& span);
+
+// Interventions that are known beforehand, as a scene tells them.
+
+// Connectors and places along them are those of the world at its start, whatever has been cut
+// since.
+
+struct TimedPin {
+  std::size_t connector = 0;
+  double along = 0;              // m of the connector's length, from its first particle
+  double from = 0;               // s
+  double until = INFINITY;       // s; infinite: for good
+  std::optional<Attachment> to;  // nothing: where it is at `from`
+  double over = 0;               // s in which it is drawn there
+  std::string source = {};       // where it is written, for messages
+};
+
+struct TimedCut {
+  std::size_t connector = 0;
+  double along = 0;  // m
+  double time = 0;   // s
+  std::string source = {};
+};
+
+struct Timeline {
+  std::vector<TimedPin> pins;
+  std::vector<TimedCut> cuts;
+
+  bool empty() const { return pins.empty() && cuts.empty(); }
+};
+
+/// Cuts as they follow each other.
+std::vector<TimedCut> in_order_of_time(std::vector<TimedCut> cuts);
+
+/// The world as if all cuts were made at its start: the parts of its connectors as pictures and
+/// tables show them from the first frame to the last. The cuts must be without flaws.
+World divided(World world, const Timeline& timeline);
+
+/// A flaw of an entry of a timeline.
+struct Flaw {
+  bool cut = false;       // of the cuts, else of the pins
+  std::size_t index = 0;  // in its list
+  std::string what;       // ends a sentence about the entry
+};
+
+/// The first entry that cannot be, as far as that is known beforehand: places outside the
+/// connector, times before the world's or out of order, two pins at one place, and pins or ends
+/// that move apart beyond the connector's length between them, or closer than its links fold.
+std::optional<Flaw> find_flaw(const World& world, const Timeline& timeline);
+
+/// An entry of a timeline that turned out not to be possible when its time came.
+class BadIntervention : public std::runtime_error {
+ public:
+  BadIntervention(Flaw found, double at, const std::string& source = {});
+  Flaw flaw;
+  double time;  // s
+};
+
+// Whether interventions can be, as far as that is known beforehand or when their time comes.
+
+/// Why a pin at `along` (m) of the connector cannot be taken to where `to` is now: how far that is
+/// from what holds the connector elsewhere, and what the connector allows; empty where it can.
+std::string why_out_of_reach(const World& world, std::size_t connector, double along,
+                             const Attachment& to);
+
+/// Why nothing may let go of the particle of a connector where it is: as a bead that is free it
+/// would be inside of an obstacle, where no bead can be; empty where it may.
+std::string why_inside(const World& world, std::size_t connector, std::size_t particle);
 
 }  // namespace taut

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "sim/material/elements.h"
-#include "sim/topology/room.h"
+#include "sim/topology/components.h"
 
 namespace taut {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -10,6 +11,7 @@
 
 #include "sim/links/linear_systems.h"
 #include "sim/links/mechanism.h"
+#include "sim/world/world.h"
 
 namespace taut {
 
@@ -171,5 +173,13 @@ class TensionSystem {
   Eigen::VectorXd scale_, scaled_right_, residual_;
   LeastSquares dense_solver_;
 };
+
+// The pull of a rope at the winch that pays it out.
+
+/// The tension (N) at the drum of the winch at a connector's first (0) or last (1) end, with the
+/// world's motion as it is: the load of the drum's brake or motor, the inertia of the drum and of
+/// rope still wound on it aside. Solves for all tensions of the world. Positive where the rope
+/// pulls. sim/winch/README.md has the equation. Throws std::invalid_argument without such a winch.
+double winch_tension(const World& world, std::size_t connector, std::size_t end);
 
 }  // namespace taut

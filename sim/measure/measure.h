@@ -1,7 +1,7 @@
 // Energy, momentum and stretch of a world.
 #pragma once
 
-#include "sim/motion/larger.h"
+#include "sim/motion/types.h"
 #include "sim/world/world.h"
 
 namespace taut {

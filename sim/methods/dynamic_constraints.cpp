@@ -8,7 +8,7 @@
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/motion/stop.h"
-#include "sim/run/companion.h"
+#include "sim/run/error_estimate.h"
 
 namespace taut::methods {
 namespace {

@@ -1,19 +1,805 @@
 #include "sim/methods/impulse.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <ranges>
 
-#include "sim/methods/bead_touches.h"
-#include "sim/methods/repositioning.h"
-#include "sim/methods/span_impulse.h"
-#include "sim/methods/span_path.h"
 #include "sim/motion/stop.h"
-#include "sim/run/companion.h"
-#include "sim/topology/room.h"
+#include "sim/run/error_estimate.h"
+#include "sim/topology/components.h"
 #include "sim/topology/span.h"
 
 namespace taut::methods {
+namespace {
+
+/// Of a change of a bead's speed: smaller ones are rounding.
+constexpr double kNothing = 1e-9;
+
+Vec3 across(const Vec3& velocity, const Vec3& normal) {
+  return velocity - normal.dot(velocity) * normal;
+}
+
+/// The velocity of a bead on which `touches` act; they remember what they have given.
+Vec3 respond_and_note(const Vec3& free, std::span<contact::Touch> touches) {
+  const Vec3 velocity = contact::respond(free, touches).velocity;
+  for (contact::Touch& touch : touches) {
+    touch.pushed = touch.push * touch.normal;
+    touch.friction_before = touch.friction;
+  }
+  return velocity;
+}
+
+Vec3 friction(std::span<const contact::Touch> touches) {
+  Vec3 sum = Vec3::Zero();
+  for (const contact::Touch& touch : touches) sum += touch.friction_before;
+  return sum;
+}
+
+}  // namespace
+
+void BeadTouches::prepare(const World& world) {
+  obstacles_ = world.obstacles;
+  beads_.clear();
+  first_.clear();
+  index_.clear();
+  touches_.clear();
+  if (obstacles_.empty()) return;
+  frames_.resize(obstacles_.size());
+  const std::size_t particles = room(world).particles;
+  if (index_.capacity() == 0) {  // what is cut off later has its particles from here
+    beads_.reserve(particles);
+    index_.reserve(particles);
+    touches_.reserve(particles);
+    first_.reserve(world.connectors.capacity());
+  }
+  for (const Connector& connector : world.connectors) {
+    first_.push_back(touches_.size());
+    touches_.insert(touches_.end(), connector.particles(), 1);
+    for (const Hold& hold : connector.holds) touches_[first_.back() + hold.particle] = 0;
+  }
+  index_.assign(touches_.size(), kNone);
+}
+
+contact::Touch BeadTouches::meet(std::size_t obstacle, const Vec3& at, const Vec3& normal) const {
+  const FrameMotion& frame = frames_[obstacle];
+  contact::Touch touch;
+  touch.normal = normal;
+  touch.surface = frame.velocity + frame.spin.cross(at - frame.position);
+  touch.least = normal.dot(touch.surface);
+  touch.stick = obstacles_[obstacle].static_friction;
+  touch.slide = obstacles_[obstacle].kinetic_friction;
+  return touch;
+}
+
+/// Moves a place out of what the bead touches.
+void BeadTouches::place_out(const TouchingBead& bead, double radius, Vec3& at) const {
+  for (std::size_t k = 0; k < bead.count; ++k) {
+    const std::size_t o = bead.obstacle[k];
+    const SurfaceDistance near = gap(obstacles_[o], frames_[o].pose(), at, radius);
+    if (near.distance < 0) at -= near.distance * near.normal;
+  }
+}
+
+void BeadTouches::land(World& world, double time, double dt) {
+  for (const TouchingBead& bead : beads_) index_[first_[bead.connector] + bead.particle] = kNone;
+  beads_.clear();
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) frames_[o] = obstacles_[o].frame(time);
+  const Vec3 gain = dt * world.gravity;
+  const double resting = 2 * gain.norm();  // m/s, what gravity alone may make
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    Connector& connector = world.connectors[c];
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (!touches_[first_[c] + i]) continue;
+      Vec3 &at = connector.position[i], &velocity = connector.velocity[i];
+      const Vec3 started = at - dt * velocity + dt / 2 * gain;
+      TouchingBead bead;
+      for (std::size_t o = 0; o < obstacles_.size() && bead.count < bead.kMost; ++o) {
+        if (!obstacles_[o].touches(connector.category)) continue;
+        const SurfaceDistance near = gap(obstacles_[o], frames_[o].pose(), at, connector.radius);
+        contact::Touch touch = meet(o, at, near.normal);
+        if (near.distance > dt * (velocity - touch.surface).norm()) continue;
+        touch.sliding = across(velocity - gain - touch.surface, near.normal);
+        std::size_t slot = bead.count++;
+        if (near.distance <= 0) {
+          const double into = near.normal.dot(touch.surface - velocity);
+          if (into > resting) touch.least += obstacles_[o].restitution * into;
+          if (slot != bead.inside) {
+            bead.touch[slot] = bead.touch[bead.inside];
+            bead.obstacle[slot] = bead.obstacle[bead.inside];
+            bead.apart[slot] = bead.apart[bead.inside];
+            bead.apart_before[slot] = bead.apart_before[bead.inside];
+          }
+          slot = bead.inside++;
+        }
+        bead.touch[slot] = touch;
+        bead.obstacle[slot] = o;
+        bead.apart[slot] = std::max(0.0, near.distance);
+        bead.apart_before[slot] = 0;
+        if (near.distance <= 0) continue;
+        const Vec3 before = started + dt * touch.surface;
+        bead.apart_before[slot] =
+            std::max(0.0, gap(obstacles_[o], frames_[o].pose(), before, connector.radius).distance);
+      }
+      if (bead.count == 0) continue;
+      bead.connector = c;
+      bead.particle = i;
+      bead.started = started;
+      if (bead.inside > 0) {
+        const std::span inside(bead.touch.data(), bead.inside);
+        velocity = respond_and_note(velocity, inside);
+        at += dt / 2 * friction(inside);
+        place_out(bead, connector.radius, at);
+      }
+      index_[first_[c] + i] = static_cast<std::uint32_t>(beads_.size());
+      beads_.push_back(bead);
+    }
+  }
+}
+
+bool BeadTouches::press(World& world, TouchingBead& bead, double dt) const {
+  if (bead.inside == 0) return false;
+  Connector& connector = world.connectors[bead.connector];
+  Vec3 &at = connector.position[bead.particle], &velocity = connector.velocity[bead.particle];
+  const Vec3 pulled = velocity;
+  velocity = respond_and_note(velocity, std::span(bead.touch.data(), bead.inside));
+  at += dt / 2 * (velocity - pulled);
+  place_out(bead, connector.radius, at);
+  return (velocity - pulled).norm() > kNothing * (1 + pulled.norm());
+}
+
+void BeadTouches::hold(World& world, TouchingBead& bead, double dt) const {
+  Connector& connector = world.connectors[bead.connector];
+  Vec3 &at = connector.position[bead.particle], &velocity = connector.velocity[bead.particle];
+  bead.role = TouchingBead::Role::held;
+  velocity = bead.touch[0].surface;
+  at = bead.started + dt * velocity;
+  place_out(bead, connector.radius, at);
+}
+
+void BeadTouches::begin_repositioning(const World& world, double dt) {
+  for (TouchingBead& bead : beads_) {
+    const Connector& connector = world.connectors[bead.connector];
+    bead.place = connector.position[bead.particle];
+    bead.velocity = connector.velocity[bead.particle];
+    for (std::size_t k = bead.inside; k < bead.count; ++k) {
+      const std::size_t o = bead.obstacle[k];
+      const double apart =
+          gap(obstacles_[o], frames_[o].pose(), bead.place, connector.radius).distance;
+      bead.touch[k].least = bead.touch[k].normal.dot(bead.touch[k].surface) - apart / dt;
+    }
+    if (bead.role != TouchingBead::Role::led) continue;
+    for (std::size_t k = 0; k < bead.count; ++k) bead.touch[k].stick = bead.touch[k].slide = 0;
+  }
+}
+
+Vec3 BeadTouches::allowed(const TouchingBead& bead, const Vec3& wanted, double dt) {
+  if (bead.role == TouchingBead::Role::held) return bead.place;
+  std::array<contact::Touch, TouchingBead::kMost> touch = bead.touch;
+  const Vec3 free = bead.velocity + (wanted - bead.place) / dt;
+  const Vec3 velocity = contact::respond(free, std::span(touch.data(), bead.count)).velocity;
+  return bead.place + dt * (velocity - bead.velocity);
+}
+
+void BeadTouches::finish(World& world, const std::vector<std::vector<Vec3>>& flown,
+                         double dt) const {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    for (std::size_t i = 0; i < world.connectors[c].particles(); ++i) {
+      if (touches_[first_[c] + i]) keep_out(world.connectors[c], c, i, flown[c][i], dt);
+    }
+  }
+}
+
+void BeadTouches::keep_out(Connector& connector, std::size_t c, std::size_t i, const Vec3& flown,
+                           double dt) const {
+  Vec3 &at = connector.position[i], &velocity = connector.velocity[i];
+  const TouchingBead* bead = find(c, i);
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    if (!obstacles_[o].touches(connector.category)) continue;
+    const Pose frame = frames_[o].pose();
+    if (gap(obstacles_[o], frame, at, connector.radius).distance >= 0) continue;
+    const bool known = bead && std::ranges::count(bead->obstacle.begin(),
+                                                  bead->obstacle.begin() + bead->count, o) > 0;
+    if (!known) {  // links have drawn it in: it stays on the side from which it came
+      const SurfaceDistance from = gap(obstacles_[o], frame, flown, connector.radius);
+      contact::Touch touch = meet(o, at, from.normal);
+      touch.least -= std::max(0.0, from.distance) / dt;
+      const Vec3 drawn = velocity;
+      velocity = contact::respond(velocity, std::span(&touch, 1)).velocity;
+      at += dt * (velocity - drawn);
+    }
+    const SurfaceDistance near = gap(obstacles_[o], frame, at, connector.radius);
+    at -= std::min(0.0, near.distance) * near.normal;
+    contact::Touch touch = meet(o, at, near.normal);
+    touch.stick = touch.slide = 0;  // it has had its friction
+    velocity = contact::respond(velocity, std::span(&touch, 1)).velocity;
+  }
+}
+
+namespace {
+
+constexpr double kPresses = 1e-6;  // of a pull: so much presses on a surface
+constexpr double kNear = 0.02;     // of a link: a bead so near a surface was on it
+constexpr double kLocked = 1e9;    // no pull is so many times another
+
+Vec3 unit(const Vec3& way) {
+  const double length = way.norm();
+  return length > 0 ? Vec3(way / length) : Vec3(0, 0, 0);
+}
+
+/// The touch of the bead on which pulls to both neighbours press most; null: on none.
+const contact::Touch* pressed(const TouchingBead& bead, const Vec3& pull, double nearest) {
+  const contact::Touch* most = nullptr;
+  double push = kPresses;
+  for (std::size_t k = 0; k < bead.count; ++k) {
+    if (bead.apart_before[k] > nearest) continue;
+    const double presses = -bead.touch[k].normal.dot(pull);
+    if (presses <= push) continue;
+    push = presses;
+    most = &bead.touch[k];
+  }
+  return most;
+}
+
+double growth(double friction, double half_bend_tangent) {
+  const double rubs = friction * half_bend_tangent;
+  return rubs < 1 ? std::min(kLocked, (1 + rubs) / (1 - rubs)) : kLocked;
+}
+
+}  // namespace
+
+SpanPath PathFinder::find(const World& world, const Span& span, const std::vector<double>& along,
+                          BeadTouches& touches) {
+  const Connector& connector = world.connectors[span.connector];
+  const std::vector<Vec3>& position = connector.position;
+  const std::size_t a = span.a.particle, b = span.b.particle;
+  const auto foot = [&](const TouchingBead& bead) {  // on the surface that it touches
+    return Vec3(position[bead.particle] - bead.apart[0] * bead.touch[0].normal);
+  };
+  const auto place = [&](std::size_t k) {  // of the corners so far, counted from 1; 0: the end a
+    return k == 0 ? position[a] : foot(*corners_[k - 1]);
+  };
+  const auto touch_at = [&](const TouchingBead& bead, const Vec3& before, const Vec3& after) {
+    const Vec3 at = foot(bead);
+    const double link = std::min(connector.rest[bead.particle - 1], connector.rest[bead.particle]);
+    return pressed(bead, unit(before - at) + unit(after - at), kNear * link);
+  };
+  const auto straighten = [&](const Vec3& next) {
+    while (!corners_.empty()) {
+      if (touch_at(*corners_.back(), place(corners_.size() - 1), next)) return;
+      corners_.pop_back();
+    }
+  };
+  corners_.clear();
+  auto bead = std::ranges::lower_bound(
+      touches.beads(), std::pair(span.connector, a + 1), {},
+      [](const TouchingBead& one) { return std::pair(one.connector, one.particle); });
+  for (; bead != touches.beads().end() && bead->connector == span.connector && bead->particle < b;
+       ++bead) {
+    straighten(foot(*bead));
+    corners_.push_back(&*bead);
+  }
+  straighten(position[b]);
+
+  SpanPath path;
+  path.bends = !corners_.empty();
+  for (std::size_t k = 0; k < corners_.size(); ++k) {
+    const Vec3 at = place(k + 1), before = place(k);
+    const Vec3 after = k + 1 < corners_.size() ? place(k + 2) : position[b];
+    const contact::Touch* touch = touch_at(*corners_[k], before, after);
+    if (!touch) touch = corners_[k]->touch.data();
+    const Vec3 back = unit(before - at), on = unit(after - at);
+    const double half_bend = (back + on).norm() / (on - back).norm();
+    path.most_stuck *= growth(touch->stick, half_bend);
+    path.most_slid *= growth(touch->slide, half_bend);
+    const SpanPath::Corner corner{corners_[k]->particle, at, touch->surface,
+                                  touch->normal.dot(touch->surface) * touch->normal};
+    if (k == 0) {
+      path.first = corner;
+    } else {
+      const Vec3 way = at - path.last.at;
+      path.inner += way.norm();
+      path.inner_rate += unit(way).dot(corner.led - path.last.led);
+    }
+    path.last = corner;
+  }
+  if (!path.bends) return path;
+  path.most_stuck = std::min(path.most_stuck, kLocked);
+  path.most_slid = std::min(path.most_slid, kLocked);
+  path.first_length = along[path.first.particle] - along[a];
+  path.last_length = along[b] - along[path.last.particle];
+  return path;
+}
+
+namespace {
+
+constexpr double kSameLine = 0.5;  // cosine of the most that a span turns between limit and now
+
+/// The impulse (N s) on b, its reaction on a, and the ways they have gone since (N s^2).
+void exchange(const Side& a, const Vec3& arm_a, const Side& b, const Vec3& arm_b,
+              const Vec3& impulse, const Vec3& impulse_time) {
+  a.kick(-impulse, arm_a);
+  b.kick(impulse, arm_b);
+  a.shift(-impulse_time, arm_a);
+  b.shift(impulse_time, arm_b);
+}
+
+/// The distances between which a span's ends are left alone, m.
+struct DistanceLimits {
+  double shortest, longest;
+  double exact;  // so near a limit is at it
+
+  DistanceLimits(const Span& span, const LinkLimits& limits)
+      : shortest(span.folds ? 0 : limits.shortest * span.length),
+        longest(limits.longest * span.length),
+        exact(kAtLimit * span.length) {}
+};
+
+/// A span without length is a joint: it holds in every direction. Half a step ago is when the
+/// forces of a step act that keep it closed.
+bool close_joint(const Side& a, const Side& b, double dt) {
+  const Vec3 arm_a = a.arm_before(dt / 2), arm_b = b.arm_before(dt / 2);
+  const Mat3 inverse =
+      Mat3(a.inverse_mass_matrix(arm_a, a.arm) + b.inverse_mass_matrix(arm_b, b.arm)).inverse();
+  const Vec3 shift = inverse * (a.point() - b.point());
+  const Vec3 impulse = inverse * (a.velocity_of(a.arm) - b.velocity_of(b.arm));
+  exchange(a, arm_a, b, arm_b, impulse, shift);
+  return true;
+}
+
+/// Equation (5) as it stands in the paper: each end responds as if the other were fixed, its moment
+/// of inertia is a number (about the axis that resists most), and nothing clamps it. It has moved
+/// with the mean of its velocities before and after. Returns the larger of the two impulses, N s.
+double printed_impulse(const Side& a, const Side& b, const Span& span, const Vec3& along,
+                       double separation_speed, double restitution, double dt) {
+  double largest = 0;
+  const auto apply = [&](const Side& side, const Vec3& toward_other) {
+    if (side.inverse_mass == 0) return;
+    double inverse = side.inverse_mass;
+    if (side.body) {
+      const Mat3 inertia = side.body->mass_properties.inertia;
+      const double moment = inertia.diagonal().maxCoeff();
+      if (moment > 0) inverse += side.arm.squaredNorm() / moment;
+    }
+    const double size =
+        separation_speed * (1 + restitution) / inverse * mass_ratio(span, side.inverse_mass);
+    side.kick(size * toward_other, side.arm);
+    side.shift(dt / 2 * size * toward_other, side.arm);
+    largest = std::max(largest, size);
+  };
+  apply(a, along);
+  apply(b, -along);
+  return largest;
+}
+
+}  // namespace
+
+void SpanImpulses::prepare(const World& world) {
+  rotations_.clear();
+  for (const Body& body : world.bodies) rotations_.emplace_back(body.mass_properties.inertia);
+}
+
+void SpanImpulses::watch(const World& world, Span& span, double time,
+                         std::vector<Event>& events) const {
+  if (!span.taut || span.length == 0) return;
+  const std::vector<Vec3>& position = world.connectors[span.connector].position;
+  const double distance = (position[span.b.particle] - position[span.a.particle]).norm();
+  const DistanceLimits range(span, limits_);
+  if (distance >= range.longest - range.exact || distance <= range.shortest + range.exact) return;
+  span.taut = false;
+  events.push_back({Event::Kind::slack, time, span.connector, span.index, 0});
+}
+
+bool SpanImpulses::act(World& world, Span& span, double time, double dt,
+                       std::vector<Event>& events) const {
+  if (span.a.kind == SpanEnd::Kind::follower || span.b.kind == SpanEnd::Kind::follower) {
+    return false;
+  }
+  const Side a(world, span, span.a, rotations_), b(world, span, span.b, rotations_);
+  const double inverse_mass = a.inverse_mass + b.inverse_mass;
+  if (inverse_mass == 0 || (a.body && a.body == b.body)) return false;
+  const auto log = [&](Event::Kind kind, double when, double size) {
+    events.push_back({kind, when, span.connector, span.index, size});
+  };
+  const Vec3 gap = b.point() - a.point();
+  const double distance = gap.norm();
+  const DistanceLimits range(span, limits_);
+  const bool is_long = distance > range.longest + range.exact;
+  if (!is_long && distance >= range.shortest - range.exact) return false;
+  if (span.length == 0 && !as_printed_) return close_joint(a, b, dt);
+
+  // From here on, `sign` makes whatever leads farther beyond the limit positive.
+  const double sign = is_long ? 1 : -1;
+  const double limit = is_long ? range.longest : range.shortest;
+  const Vec3 along = gap / distance;
+  const double separation_speed = sign * along.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm));
+  const double restitution = world.connectors[span.connector].restitution;
+  if (as_printed_) {
+    if (separation_speed <= 0) return false;
+    const double size =
+        printed_impulse(a, b, span, sign * along, separation_speed, restitution, dt);
+    if (!span.taut) {
+      log(Event::Kind::taut, time, 0);
+      log(Event::Kind::impulse, time, size);
+    }
+    span.taut = true;
+    return false;  // both ends have responded; nothing more to settle in this step
+  }
+
+  // The span passed its limit `ago`; in steady tension that is half a step. `pull` is what gravity
+  // adds to the separation speed in a second.
+  const bool impact = separation_speed > 0 && !span.taut;
+  const double pull = sign * along.dot(b.fall(world.gravity) - a.fall(world.gravity));
+  const double excess = sign * (distance - limit);
+  double ago = separation_speed > 0 ? std::min(excess / separation_speed, dt) : 0;
+  if (impact)
+    ago = std::min(excess / std::max(separation_speed - pull * ago / 2, separation_speed / 2), dt);
+  Vec3 line = (b.point_before(ago) - a.point_before(ago)).normalized();
+  Vec3 arm_a = a.arm_before(ago), arm_b = b.arm_before(ago);
+  Vec3 response =
+      a.inverse_mass_along(line, arm_a, a.arm) + b.inverse_mass_along(line, arm_b, b.arm);
+  // The shift along `line` that brings the ends back to their limit: |gap + shift response| =
+  // limit.
+  const double p = gap.dot(response), q = response.squaredNorm();
+  const double c = distance * distance - limit * limit;
+  const bool turns = line.dot(along) < kSameLine || p * p < q * c;
+  double shift = turns ? 0 : -c / (p + std::sqrt(p * p - q * c));
+  if (turns) {  // too fast to be followed back: as the ends are now, to first order
+    ago = 0;
+    line = along;
+    arm_a = a.arm, arm_b = b.arm;
+    response = a.inverse_mass_along(line, arm_a, a.arm) + b.inverse_mass_along(line, arm_b, b.arm);
+    shift = (limit - distance) / line.dot(response);
+  }
+  double size = 0;
+  if (impact) {
+    const Vec3 then =
+        a.inverse_mass_along(line, arm_a, arm_a) + b.inverse_mass_along(line, arm_b, arm_b);
+    const double speed = sign * line.dot(b.velocity_of(arm_b) - a.velocity_of(arm_a));
+    // Thrown back at the moment of the impact, and pulled since; else the span stays taut.
+    const double back = restitution * mass_ratio(span, inverse_mass) * (speed - pull * ago);
+    const bool rebounds = back > pull * ago;
+    const double wanted = rebounds ? pull * ago - back : 0;
+    size = sign * (wanted - speed) / line.dot(then);
+    if (rebounds) shift -= sign * ago * (back - pull * ago / 2) / line.dot(then);
+    log(Event::Kind::taut, time - ago, 0);
+    log(Event::Kind::impulse, time - ago, std::abs(size));
+  } else if (separation_speed >
+             0) {  // steady: the distance of the ends does not change when the step ends
+    const Vec3 now = turns ? along : Vec3((gap + shift * response).normalized());
+    size = -now.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm)) / now.dot(response);
+  }
+  span.taut = true;
+  exchange(a, arm_a, b, arm_b, size * line, shift * line);
+  return true;
+}
+
+// The impulses between the ends of a span whose pull goes around corners.
+
+namespace {
+
+constexpr double kSlack = 1e-6;  // of its length: a part that is so much shorter does not pull
+constexpr double kMostGone = 2;  // of what a way may have got longer in a step by its rate
+constexpr int kNewton = 4;       // steps, each of which doubles the digits
+
+/// An end of such a span, and the corner before it.
+struct Leg {
+  Side side;
+  const SpanPath::Corner& corner;
+  Vec3 way, toward;  // m, to the corner; the unit vector
+
+  Leg(World& world, const Span& span, const SpanEnd& end, const SpanPath::Corner& at,
+      const std::vector<FreeRotation>& rotations)
+      : side(world, span, end, rotations), corner(at), way(at.at - side.point()) {
+    toward = direction(way);
+  }
+  static Vec3 direction(const Vec3& way) {
+    const double length = way.norm();
+    return length > 0 ? Vec3(way / length) : Vec3(0, 0, 0);
+  }
+  /// m/s, at which it gets longer where the corner moves with `velocity`.
+  double rate(const Vec3& velocity) const {
+    return toward.dot(velocity - side.velocity_of(side.arm));
+  }
+  double mobility() const {
+    return toward.dot(side.inverse_mass_along(toward, side.arm, side.arm));
+  }
+  /// N s: the pull that keeps it from getting longer, by itself.
+  double pull() const {
+    const double speed = rate(corner.carried), mobile = mobility();
+    if (speed <= 0) return 0;
+    return mobile > 0 ? speed / mobile : HUGE_VAL;
+  }
+};
+
+}  // namespace
+
+SpanPath::State SpanImpulses::grip(World& world, const Span& span, const SpanPath& path) const {
+  using enum SpanPath::State;
+  if (as_printed_) return held;
+  const Leg a(world, span, span.a, path.first, rotations_),
+      b(world, span, span.b, path.last, rotations_);
+  // A taut way pulls at both ends, wherever its beads are on it; of a slack one only what friction
+  // at the corners keeps taut by itself.
+  const double taut = limits_.longest - kSlack;
+  const bool is_taut = a.way.norm() + path.inner + b.way.norm() >= taut * span.length;
+  const double at_a = is_taut || a.way.norm() >= taut * path.first_length ? a.pull() : 0;
+  const double at_b = is_taut || b.way.norm() >= taut * path.last_length ? b.pull() : 0;
+  if (at_a == 0 && at_b == 0) return slack;
+  if (at_b > path.most_stuck * at_a) return slides_to_b;
+  if (at_a > path.most_stuck * at_b) return slides_to_a;
+  return held;
+}
+
+void SpanImpulses::watch_around(const World& world, Span& span, const SpanPath& path, double time,
+                                std::vector<Event>& events) const {
+  if (!span.taut) return;
+  const std::vector<Vec3>& position = world.connectors[span.connector].position;
+  const double length = (path.first.at - position[span.a.particle]).norm() + path.inner +
+                        (position[span.b.particle] - path.last.at).norm();
+  if (length >= (limits_.longest - kSlack) * span.length) return;
+  span.taut = false;
+  events.push_back({Event::Kind::slack, time, span.connector, span.index, 0});
+}
+
+bool SpanImpulses::act_around(World& world, Span& span, const SpanPath& path, double time,
+                              double dt, std::vector<Event>& events) const {
+  if (span.a.kind == SpanEnd::Kind::follower || span.b.kind == SpanEnd::Kind::follower) {
+    return false;
+  }
+  const Leg a(world, span, span.a, path.first, rotations_),
+      b(world, span, span.b, path.last, rotations_);
+  if (a.side.inverse_mass + b.side.inverse_mass == 0) return false;
+  const double reach = a.way.norm() + path.inner + b.way.norm();
+  double excess = reach - limits_.longest * span.length;
+  if (excess <= kAtLimit * span.length) return false;
+  const double pull_a = path.state == SpanPath::State::slides_to_a ? path.most_slid : 1;
+  const double pull_b = path.state == SpanPath::State::slides_to_b ? path.most_slid : 1;
+
+  const double separation_speed = a.rate(path.first.led) + path.inner_rate + b.rate(path.last.led);
+  if (separation_speed <= 0) return false;
+  // What beads in a heap make the way longer by is not what the ends have gone.
+  excess = std::min(excess, kMostGone * dt * separation_speed);
+  const bool impact = !span.taut;
+  const double fall =
+      -a.toward.dot(a.side.fall(world.gravity)) - b.toward.dot(b.side.fall(world.gravity));
+  double ago = std::min(excess / separation_speed, dt);
+  if (impact) {
+    const double speed = std::max(separation_speed - fall * ago / 2, separation_speed / 2);
+    ago = std::min(excess / speed, dt);
+  }
+  // At the moment at which the path had its length, as for a span without corners.
+  const Vec3 line_a =
+      Leg::direction(path.first.at - ago * path.first.led - a.side.point_before(ago));
+  const Vec3 line_b = Leg::direction(path.last.at - ago * path.last.led - b.side.point_before(ago));
+  const Vec3 arm_a = a.side.arm_before(ago), arm_b = b.side.arm_before(ago);
+  const Vec3 response_a = pull_a * a.side.inverse_mass_along(line_a, arm_a, a.side.arm);
+  const Vec3 response_b = pull_b * b.side.inverse_mass_along(line_b, arm_b, b.side.arm);
+  double shift = 0;  // N s^2
+  Vec3 now_a = a.toward, now_b = b.toward;
+  for (int i = 0; i < kNewton; ++i) {
+    const Vec3 way_a = a.way - shift * response_a, way_b = b.way - shift * response_b;
+    now_a = Leg::direction(way_a);
+    now_b = Leg::direction(way_b);
+    const double shortens = now_a.dot(response_a) + now_b.dot(response_b);
+    if (!(shortens > 0)) return false;
+    shift += (way_a.norm() + path.inner + way_b.norm() - (reach - excess)) / shortens;
+  }
+  double size = 0;  // N s
+  if (impact) {
+    const double then = pull_a * line_a.dot(a.side.inverse_mass_along(line_a, arm_a, arm_a)) +
+                        pull_b * line_b.dot(b.side.inverse_mass_along(line_b, arm_b, arm_b));
+    const double speed = line_a.dot(path.first.led - a.side.velocity_of(arm_a)) + path.inner_rate +
+                         line_b.dot(path.last.led - b.side.velocity_of(arm_b));
+    const double ratio = mass_ratio(span, a.side.inverse_mass + b.side.inverse_mass);
+    const double back = world.connectors[span.connector].restitution * ratio * (speed - fall * ago);
+    const bool rebounds = back > fall * ago;
+    size = (speed - (rebounds ? fall * ago - back : 0)) / then;
+    if (rebounds) shift += ago * (back - fall * ago / 2) / then;
+    events.push_back({Event::Kind::taut, time - ago, span.connector, span.index, 0});
+    events.push_back(
+        {Event::Kind::impulse, time - ago, span.connector, span.index, std::abs(size)});
+  } else {
+    const double rate = now_a.dot(path.first.led - a.side.velocity_of(a.side.arm)) +
+                        path.inner_rate + now_b.dot(path.last.led - b.side.velocity_of(b.side.arm));
+    size = rate / (now_a.dot(response_a) + now_b.dot(response_b));
+  }
+  span.taut = true;
+  a.side.kick(pull_a * size * line_a, arm_a);
+  b.side.kick(pull_b * size * line_b, arm_b);
+  a.side.shift(pull_a * shift * line_a, arm_a);
+  b.side.shift(pull_b * shift * line_b, arm_b);
+  return true;
+}
+
+namespace {
+
+constexpr double kMore = 1e-6;  // rounding of a particle's mass
+constexpr int kDraws = 3;       // times that two particles are drawn together, where one touches
+constexpr double kMostDrawn = 100;  // by how much more than if neither did
+
+}  // namespace
+
+void Repositioning::prepare(const World& world, const std::vector<Span>& spans) {
+  make_room(world);
+  if (dividers_.empty()) dividers_.reserve(room(world).particles + 2);
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) weigh(world.connectors[c], c);
+  if (!as_printed_) return;
+  for (const Span& span : spans) {  // "the end points are set to have infinite mass"
+    for (const SpanEnd* end : {&span.a, &span.b}) {
+      if (end->kind != SpanEnd::Kind::follower) weight_[span.connector][end->particle] = 0;
+    }
+  }
+}
+
+/// For all connectors that the world has room for, with as much room as any of them.
+void Repositioning::make_room(const World& world) {
+  if (along_.size() >= world.connectors.size()) return;
+  const std::size_t connectors = world.connectors.capacity();
+  along_.resize(connectors);
+  weight_.resize(connectors);
+  flown_.resize(connectors);
+  const auto capacity = [](const Connector& c) { return c.position.capacity(); };
+  std::size_t most = 0;
+  for (const Connector& connector : world.connectors) most = std::max(most, capacity(connector));
+  if (double(connectors) * double(most) > kMostRoom) most = 0;
+  for (std::size_t c = 0; c < connectors; ++c) {
+    const bool cut_off = c >= world.connectors.size();  // later, from any of them
+    const std::size_t particles = cut_off ? most : capacity(world.connectors[c]);
+    along_[c].reserve(particles);
+    weight_[c].reserve(particles);
+    flown_[c].reserve(particles);
+  }
+}
+
+/// Reads the lengths and masses of a connector.
+void Repositioning::weigh(const Connector& connector, std::size_t index) {
+  const std::size_t n = connector.particles();
+  std::vector<double>&along = along_[index], &weight = weight_[index];
+  along.assign(n, 0.0);
+  weight.assign(n, 1.0);
+  for (std::size_t i = 0; i + 1 < n; ++i) along[i + 1] = along[i] + connector.rest[i];
+  const bool massless = connector.model == ConnectorModel::span || !(connector.mass > 0);
+  double share = 0;  // kg, of the heaviest particle between the ends
+  for (std::size_t i = 1; i + 1 < n && !massless; ++i) {
+    share = std::max(share, connector.particle_mass[i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double mass = connector.particle_mass[i];
+    // An end that carries more than its share of the connector has infinite mass here, as every
+    // end in the paper; so a rope's bare end stays one of its particles.
+    const bool carries = (i == 0 || i + 1 == n) && mass > share * (1 + kMore);
+    weight[i] = carries ? 0 : mass > 0 && share > 0 ? share / mass : 1;
+  }
+  for (const Hold& hold : connector.holds) weight[hold.particle] = 0;
+}
+
+void Repositioning::begin(const World& world) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    flown_[c] = world.connectors[c].position;
+  }
+}
+
+Repositioning::Strand Repositioning::strand(World& world, const Span& span,
+                                            const BeadTouches& touches, double dt) const {
+  const std::size_t c = span.connector;
+  return {world.connectors[c].position,       along_[c], weight_[c], c,
+          touches.any() ? &touches : nullptr, dt};
+}
+
+void Repositioning::pass(World& world, const Span& span, const BeadTouches& touches,
+                         double dt) const {
+  const Strand at = strand(world, span, touches, dt);
+  const std::vector<double>& rest = world.connectors[span.connector].rest;
+  for (std::size_t k = span.a.particle; k < span.b.particle; ++k) {
+    const double squared = (at.position[k + 1] - at.position[k]).squaredNorm();
+    const double shortest = limits_.shortest * rest[k];
+    const double longest = limits_.longest * rest[k];
+    const double least = std::max(0.0, shortest - threshold_), most = longest + threshold_;
+    if (squared >= least * least && squared <= most * most) continue;
+    if (squared == 0) continue;
+    draw(at, k, k + 1, squared, squared > longest * longest ? longest : shortest);
+  }
+}
+
+/// Moves two particles, whose distance has this square, to the `wanted` distance (m), each by the
+/// other's part of their mass.
+void Repositioning::draw(const Strand& strand, std::size_t i, std::size_t j, double squared,
+                         double wanted) {
+  const double both = strand.weight[i] + strand.weight[j];
+  if (both == 0) return;
+  Vec3 &p = strand.position[i], &q = strand.position[j];
+  const double distance = std::sqrt(squared);
+  const Vec3 move = (q - p) * ((distance - wanted) / (distance * both));
+  if (strand.touches) return draw_at_surfaces(strand, i, j, move, wanted);
+  p += strand.weight[i] * move;
+  q -= strand.weight[j] * move;
+}
+
+/// The same where the surfaces that they touch let them: what is kept from one of them falls to the
+/// other, and none moves farther than both are off.
+void Repositioning::draw_at_surfaces(const Strand& strand, std::size_t i, std::size_t j,
+                                     const Vec3& move, double wanted) {
+  const double weight_i = strand.weight[i], weight_j = strand.weight[j];
+  const double both = weight_i + weight_j;
+  Vec3 &p = strand.position[i], &q = strand.position[j];
+  const Vec3 from_p = p, from_q = q;
+  const TouchingBead* at_p = strand.touches->find(strand.connector, i);
+  const TouchingBead* at_q = strand.touches->find(strand.connector, j);
+  if (!at_p && !at_q) {
+    p += weight_i * move;
+    q -= weight_j * move;
+    return;
+  }
+  const double distance = (q - p).norm();
+  double more = 1;
+  for (int attempt = 0; attempt < kDraws; ++attempt) {
+    p = from_p + std::min(more * weight_i, both) * move;
+    q = from_q - std::min(more * weight_j, both) * move;
+    if (at_p) p = BeadTouches::allowed(*at_p, p, strand.dt);
+    if (at_q) q = BeadTouches::allowed(*at_q, q, strand.dt);
+    const double reached = (distance - (q - p).norm()) / (distance - wanted);
+    if (!(reached > 1 / kMostDrawn)) return;  // they can be drawn no nearer
+    more /= reached;
+  }
+}
+
+void Repositioning::stay_in_reach(World& world, const Span& span, BeadTouches& touches, double dt) {
+  dividers_.clear();
+  dividers_.push_back(span.a.particle);
+  for (const TouchingBead& bead : touches.beads()) {
+    if (bead.connector != span.connector || bead.role == TouchingBead::Role::free) continue;
+    if (bead.particle <= span.a.particle || bead.particle >= span.b.particle) continue;
+    dividers_.push_back(bead.particle);
+  }
+  dividers_.push_back(span.b.particle);
+  const Strand at = strand(world, span, touches, dt);
+  const std::size_t parts = dividers_.size() - 1;
+  for (std::size_t k = 0; k < parts; ++k) {
+    const std::size_t first = dividers_[k], last = dividers_[k + 1];
+    for (const std::size_t end : {first, last}) reach(at, first, last, end);
+    if (parts > 1) meet(at, last, first);  // a corner that slides stays in reach
+  }
+  if (!as_printed_) meet(at, span.b.particle, span.a.particle);
+}
+
+/// Moves the particles between two into the reach of one of these, `end`.
+void Repositioning::reach(const Strand& strand, std::size_t first, std::size_t last,
+                          std::size_t end) const {
+  if (strand.weight[end] > 0) {
+    for (std::size_t i = first + 1; i < last; ++i) meet(strand, i, end);
+    return;
+  }
+  const Vec3 place = strand.position[end];
+  const double along = strand.along[end];
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const double longest = limits_.longest * std::abs(strand.along[i] - along);
+    const Vec3 apart = strand.position[i] - place;
+    const double squared = apart.squaredNorm();
+    if (squared <= longest * longest) continue;
+    const Vec3 wanted = place + longest / std::sqrt(squared) * apart;
+    const TouchingBead* bead = strand.touches ? strand.touches->find(strand.connector, i) : nullptr;
+    strand.position[i] = bead ? BeadTouches::allowed(*bead, wanted, strand.dt) : wanted;
+  }
+}
+
+/// Moves a particle and an end into each other's reach, each by the other's part of their mass.
+void Repositioning::meet(const Strand& strand, std::size_t i, std::size_t end) const {
+  const double longest = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
+  const double squared = (strand.position[end] - strand.position[i]).squaredNorm();
+  if (squared > longest * longest) draw(strand, i, end, squared, longest);
+}
+
+void Repositioning::set_velocities(World& world, double dt) const {
+  const double rate = 1 / dt;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    Connector& connector = world.connectors[c];
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      connector.velocity[i] += rate * (connector.position[i] - flown_[c][i]);
+    }
+  }
+}
+
 namespace {
 
 constexpr std::string_view kImpulse = "impulse";

@@ -6,7 +6,7 @@
 #include "sim/methods/impulse.h"
 #include "sim/methods/springs.h"
 #include "sim/methods/xpbd.h"
-#include "sim/run/add_method.h"
+#include "sim/run/method.h"
 
 namespace taut::methods {
 namespace {

@@ -10,7 +10,7 @@
 #include "sim/contact/connector_contacts.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
-#include "sim/run/companion.h"
+#include "sim/run/error_estimate.h"
 
 namespace taut::methods {
 namespace {

@@ -46,4 +46,11 @@ struct FrameMotion {
   }
 };
 
+// The larger of two numbers where one may be nan.
+
+/// The larger of two numbers, and nan where one is: std::max() may hide it.
+inline double larger(double a, double b) {
+  return b > a || b != b ? b : a;
+}
+
 }  // namespace taut

@@ -2,7 +2,7 @@
 #include "sim/reference/multibody.h"
 #include "sim/reference/multipliers.h"
 #include "sim/reference/sdfast.h"
-#include "sim/run/add_method.h"
+#include "sim/run/method.h"
 
 /// Programs that link this library ask for this name, which takes this file out of the archive.
 extern "C" const bool taut_reference_methods = [] {

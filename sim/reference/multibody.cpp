@@ -4,7 +4,7 @@
 
 #include "sim/links/projection.h"
 #include "sim/reference/simbody_model.h"
-#include "sim/run/companion.h"
+#include "sim/run/error_estimate.h"
 #include "sim/run/trajectory.h"
 
 namespace taut::reference {

@@ -9,7 +9,7 @@
 #include "sim/motion/stop.h"
 #include "sim/reference/event_driven.h"
 #include "sim/reference/runge_kutta.h"
-#include "sim/run/companion.h"
+#include "sim/run/error_estimate.h"
 
 namespace taut::reference {
 namespace {

@@ -11,7 +11,7 @@
 #include "sim/reference/sdfast/chain.h"
 #include "sim/reference/sdfast/model.h"
 #include "sim/reference/sdfast/pin.h"
-#include "sim/run/companion.h"
+#include "sim/run/error_estimate.h"
 #include "sim/run/trajectory.h"
 
 namespace taut::reference {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/interventions/timeline.h"
+#include "sim/interventions/interventions.h"
 #include "sim/run/method.h"
 
 namespace taut {

@@ -15,7 +15,7 @@
 
 #include "sim/features/features.h"
 #include "sim/run/forces.h"
-#include "sim/topology/parts.h"
+#include "sim/topology/components.h"
 #include "sim/world/world.h"
 
 namespace taut {
@@ -278,5 +278,30 @@ struct StepTimes {
   double first_ = 0;
   bool on_grid_ = false;
 };
+
+// Methods that join the list from outside of it.
+
+/// Adds a method to all_methods(), for every part of the program: before the one called `before`,
+/// or at the end. Call before anything else has looked at the list; `method` names storage that
+/// outlives the program.
+void add_method(MethodInfo method, std::string_view before = {});
+
+// A method with its settings: what a scene asks for, what studies compare, a row of every table.
+
+struct MethodChoice {
+  std::string name;
+  Settings settings;  // those that differ from the method's own choice
+};
+
+/// Every setting of the method, which must exist: with its own choice for those left out.
+Settings with_defaults(const MethodChoice& choice);
+
+/// The value as text; numbers with so many significant digits, zero: as many as tell it exactly.
+std::string setting_text(const Setting& value, int digits = 0);
+
+/// "springs (integrator rk4, step 0.001)".
+std::string describe(const MethodChoice& choice);
+/// The settings alone: "integrator rk4, step 0.001"; "defaults" where none is named.
+std::string describe(const Settings& settings);
 
 }  // namespace taut

@@ -6,8 +6,9 @@
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+#include <vector>
 
-#include "sim/interventions/flaws.h"
+#include "sim/interventions/interventions.h"
 #include "sim/topology/components.h"
 #include "sim/world/places.h"
 
@@ -320,6 +321,138 @@ Snapshot Simulation::state() const {
   }
   bodies_as_links_.show(shot);
   return shot;
+}
+
+namespace {
+
+void take_back(const Snapshot& end, const Snapshot& last, double share, Snapshot& state) {
+  for (std::size_t c = 0; c < state.connectors.size(); ++c)
+    for (std::size_t i = 0; i < state.connectors[c].size(); ++i)
+      state.connectors[c][i] += share * (last.connectors[c][i] - end.connectors[c][i]);
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    Pose& pose = state.bodies[b];
+    pose.position += share * (last.bodies[b].position - end.bodies[b].position);
+    const Quat off = last.bodies[b].rotation * end.bodies[b].rotation.conjugate();
+    pose.rotation = (Quat::Identity().slerp(share, off) * pose.rotation).normalized();
+  }
+}
+
+}  // namespace
+
+Between::Between(Simulation other) : simulation_(std::move(other)) {
+  simulation_.advance_to(std::as_const(simulation_).world().time);  // what happens at the start
+}
+
+std::vector<Snapshot> Between::states(const World& first, const std::vector<double>& times,
+                                      const Snapshot& last) {
+  simulation_.go_on_from(first);
+  std::vector<Snapshot> states;
+  for (const double time : times) {
+    simulation_.advance_to(time);
+    states.push_back(simulation_.state());
+  }
+  simulation_.advance_to(last.time);
+  const Snapshot end = simulation_.state();
+  for (Snapshot& state : states)
+    take_back(end, last, (state.time - first.time) / (last.time - first.time), state);
+  return states;
+}
+
+ShownVelocities::ShownVelocities(const World& start, const Timeline& timeline)
+    : start_(start.connectors), cuts_(in_order_of_time(timeline.cuts)) {
+  for (const Connector& connector : start_) {
+    bool shifted = false;
+    for (const Hold& hold : connector.holds)
+      shifted |= hold.particle == 0 && hold.to.kind == Attachment::Kind::body &&
+                 start.bodies[hold.to.body].model == BodyModel::link;
+    shifted_.push_back(shifted);
+  }
+  Parts parts(start_);
+  for (const TimedCut& cut : cuts_) parts.cut(cut.connector, cut.along, parts.all().size());
+  const World end = divided(start, timeline);
+  for (const Parts::Part& part : parts.all()) {
+    Shown shown{part.whole, {part.start}};
+    for (const double rest : end.connectors.at(part.connector).rest)
+      shown.along.push_back(shown.along.back() + rest);
+    shown_.push_back(std::move(shown));
+  }
+  shown_row_ = parts.in_a_row();
+}
+
+std::vector<std::vector<Vec3>> ShownVelocities::of(const Simulation& simulation) const {
+  const std::vector<Connector>& now = simulation.world().connectors;
+  Parts parts(start_);
+  for (std::size_t made = start_.size(); made < now.size(); ++made) {
+    const TimedCut& cut = cuts_[made - start_.size()];
+    parts.cut(cut.connector, cut.along, made);
+  }
+  std::vector<std::vector<Vec3>> result(shown_.size());
+  Walk walk;
+  std::size_t last = 0;
+  for (const std::size_t row : shown_row_) {
+    const Shown& shown = shown_[row];
+    const double middle = (shown.along.front() + shown.along.back()) / 2;
+    const auto [connector, along] = parts.at(shown.whole, middle);
+    const double before = shifted_[shown.whole] ? now[connector].rest.front() : 0;
+    if (connector != std::exchange(last, connector)) walk = {};
+    if (now[connector].winch) {
+      result[row] = now[connector].velocity;
+      continue;
+    }
+    result[row] = velocities(now[connector], middle - along - before, shown.along, walk);
+  }
+  return result;
+}
+
+namespace {
+
+/// Ends and pins that meet others in a free body.
+double meeting(const World& world) {
+  std::vector<std::size_t> holds(world.bodies.size());
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (!is_prescribed(world, hold.to)) ++holds[hold.to.body];
+    }
+  }
+  double sum = 0;
+  for (const std::size_t count : holds) sum += count > 1 ? double(count) : 0;
+  return sum;
+}
+
+constexpr double kDense = 18;      // bytes, by the square of links: matrix, decomposition, packing
+constexpr double kContact = 2600;  // bytes, of a particle at obstacles, by `direct`
+constexpr double kJoint = 2000;  // bytes, of a joint that is eliminated, in nets rather than trees
+
+bool is_dense(const Settings& settings) {
+  const auto solver = settings.find("solver");
+  if (solver == settings.end()) return false;
+  const auto* name = std::get_if<std::string>(&solver->second);
+  return name && *name == "dense";
+}
+
+}  // namespace
+
+double memory_of(const MethodInfo& method, const World& world, const Settings& settings) {
+  double particles = 0, links = 0, memory = 0;
+  for (const Connector& connector : world.connectors) {
+    particles += double(connector.particles());
+    links += double(connector.links());
+    memory += double(sizeof(Connector) + connector.holds.size() * sizeof(Hold));
+  }
+  // A particle's position, velocity, mass and link, and once more its position in what is shown.
+  constexpr double kParticle = 3 * sizeof(Vec3) + 2 * sizeof(double);
+  memory += double(world.bodies.size() * sizeof(Body)) + particles * kParticle;
+  // A body takes the memory of some particles: measured on 100,000 in flight.
+  const auto bodies = double(world.bodies.size());
+  double sum = 2 * memory + (particles + 12 * bodies) * method.particle_memory;
+  if (has_contact(world) || has_strings(world)) sum += kContact * particles;
+  sum += kJoint * double(world.joints.size());
+  if (method.eliminates) {
+    const double columns = meeting(world);
+    sum += sizeof(double) * columns * (links + 2 * columns);
+  }
+  if (is_dense(settings)) sum += kDense * links * links;
+  return sum;
 }
 
 }  // namespace taut

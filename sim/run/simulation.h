@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "sim/interventions/interventions.h"
-#include "sim/interventions/timeline.h"
-#include "sim/run/bodies_as_links.h"
 #include "sim/run/islands.h"
 #include "sim/run/method.h"
+#include "sim/run/reduced.h"
 #include "sim/run/trajectory.h"
-#include "sim/topology/parts.h"
+#include "sim/topology/components.h"
 #include "sim/world/world.h"
 
 namespace taut {
@@ -104,5 +103,54 @@ class Simulation {
   std::size_t next_ = 0;                // of the entries
   std::vector<std::uint64_t> pins_;     // numbers of the timeline's pins, 0 before they are set
 };
+
+// The states of a simulation between its frames.
+
+/// The states of a simulation between two frames, by another simulation that stops more often. A
+/// method that chooses its steps takes other steps with such stops: so the other simulation
+/// restarts at every frame in the state of the first, and its difference at the next frame is taken
+/// back evenly.
+class Between {
+ public:
+  /// `other`: a simulation at its start, of the same world, method settings and timeline.
+  explicit Between(Simulation other);
+
+  /// The states at `times` (s, rising, between the two frames) of a simulation that was at `first`
+  /// and is at `last` now. Throws as Simulation::advance_to() does; unusable after that.
+  std::vector<Snapshot> states(const World& first, const std::vector<double>& times,
+                               const Snapshot& last);
+
+ private:
+  Simulation simulation_;
+};
+
+// How fast the particles of a simulation's states are.
+
+/// The velocities of what Simulation::state() shows: the same particles of the same connectors,
+/// whatever the timeline has pinned and cut so far.
+class ShownVelocities {
+ public:
+  /// `start` and `timeline` are those that the simulation was made with.
+  ShownVelocities(const World& start, const Timeline& timeline);
+
+  /// [connector][particle], m/s.
+  std::vector<std::vector<Vec3>> of(const Simulation& simulation) const;
+
+ private:
+  struct Shown {
+    std::size_t whole = 0;      // the connector of the start that it is a part of
+    std::vector<double> along;  // m on that, rising
+  };
+  std::vector<Connector> start_;
+  std::vector<TimedCut> cuts_;  // in order of time
+  std::vector<bool> shifted_;   // [connector of the start] a body stands before its first particle
+  std::vector<Shown> shown_;
+  std::vector<std::size_t> shown_row_;  // indices of them, as they follow each other
+};
+
+// The memory of a simulation, known before it starts.
+
+/// Bytes, at most, of `method` with a full set of settings on `world`, which is copied once.
+double memory_of(const MethodInfo& method, const World& world, const Settings& settings);
 
 }  // namespace taut

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/evaluation/run.h"
-#include "sim/study/front.h"
+#include "sim/study/speed_accuracy.h"
 
 namespace taut::study {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/evaluation/run.h"
-#include "sim/truth/reference.h"
+#include "sim/truth/truth.h"
 
 namespace taut::study {
 

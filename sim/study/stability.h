@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "sim/evaluation/run.h"
-#include "sim/truth/reference.h"
+#include "sim/truth/truth.h"
 
 namespace taut::study {
 

@@ -2,12 +2,68 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <span>
 #include <vector>
 
+#include "sim/world/connector.h"
 #include "sim/world/world.h"
 
 namespace taut {
+
+// Where the connectors that a world had at its start are, once some of them are cut.
+
+/// Each connector of the start is one part or, where it was cut, several in a row. Places are m of
+/// its length at the start, from its first particle.
+class Parts {
+ public:
+  explicit Parts(std::span<const Connector> start);
+
+  struct Place {
+    std::size_t connector = 0;  // of those that there are now
+    double along = 0;           // m on it
+  };
+  Place at(std::size_t whole, double along) const;
+
+  /// Notes that `connector` is new, and has all of what followed the place until the next cut.
+  void cut(std::size_t whole, double along, std::size_t connector);
+
+  struct Part {
+    std::size_t whole = 0, connector = 0;
+    double start = 0, end = 0;  // m on the whole
+  };
+  /// In the order in which they came to be: the connectors of the start first.
+  const std::vector<Part>& all() const { return parts_; }
+  /// The parts' indices as they follow each other, connector by connector of the start.
+  std::vector<std::size_t> in_a_row() const;
+
+ private:
+  std::size_t part(std::size_t whole, double along) const;
+
+  std::vector<Part> parts_;
+  std::vector<std::multimap<double, std::size_t>> of_;  // [whole] its parts by where they start
+};
+
+// How much room a world has for what interventions add.
+
+/// Room for so many particles is made beforehand at most, tens of MB: every part that pins and
+/// cuts may leave gets room for the whole connector, which for thousands of them no machine has.
+constexpr double kMostRoom = 1e5;
+
+/// The capacity of the connectors' arrays, all connectors together. A workspace that reserves as
+/// much, once, does not grow before the world's own arrays do.
+struct Room {
+  std::size_t particles = 0, holds = 0;
+};
+
+inline Room room(const World& world) {
+  Room sum;
+  for (const Connector& connector : world.connectors) {
+    sum.particles += connector.position.capacity();
+    sum.holds += connector.holds.capacity();
+  }
+  return sum;
+}
 
 /// The links of a connector between two neighbouring holds, or a hold and a free end.
 struct SpanRange {

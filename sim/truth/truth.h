@@ -4,12 +4,26 @@
 #include <functional>
 #include <limits>
 #include <span>
+#include <vector>
 
-#include "sim/interventions/timeline.h"
+#include "sim/interventions/interventions.h"
 #include "sim/run/method.h"
-#include "sim/truth/reference.h"
+#include "sim/run/trajectory.h"
 
 namespace taut::truth {
+
+// The reference that runs are scored against: a converged solution at the frame times.
+
+struct Reference {
+  std::vector<Snapshot> frames;
+  /// Time (s) up to which errors may be scored. Of solve_truth(): until then a start nudged by a
+  /// ten-thousandth of the scored error stays a hundred times closer to the truth than that error,
+  /// and so does the second solution. Beyond it states are not predictable, and only invariants can
+  /// be compared.
+  double horizon = 0;
+  /// The largest distance (m) of any particle between two independent solutions until then.
+  double self_error = 0;
+};
 
 /// Of the scored error: how far a start is nudged, and how far apart solutions may be.
 inline constexpr double kTruthNudge = 1e-4, kTruthAgreement = 1e-2;

@@ -1,19 +1,30 @@
 // The whole physical state: bodies, connectors, gravity and the time; and what stands in their way.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "sim/motion/path.h"
 #include "sim/motion/types.h"
-#include "sim/winch/pulley.h"
+#include "sim/winch/winch.h"
 #include "sim/world/body.h"
 #include "sim/world/connector.h"
-#include "sim/world/joint.h"
 #include "sim/world/obstacle.h"
 
 namespace taut {
+
+// Where connectors are joined: particles that are one.
+
+/// Particles of connectors that share their place and velocity; its mass is the sum of theirs. Two
+/// of one connector close a loop. At most one of them is held.
+struct Joint {
+  struct Particle {
+    std::size_t connector = 0, particle = 0;
+  };
+  std::vector<Particle> particles;  // at least two
+};
 
 /// The air that connectors with drag coefficients move through; the same everywhere.
 struct Air {

@@ -1,4 +1,6 @@
 // taut check: what it says of scenes.
+#include "render/cli/check.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "render/cli/check_cheaper.h"
 #include "scenes/load/load_scene.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"

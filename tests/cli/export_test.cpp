@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenes/load/load_scene.h"
-#include "sim/run/shown_velocities.h"
+#include "sim/run/simulation.h"
 #include "tests/cli/export_scenes.h"
 #include "tests/support/folder.h"
 #include "tests/support/glb.h"

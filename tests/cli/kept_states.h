@@ -4,7 +4,6 @@
 #include <string>
 
 #include "render/export/frame_writer.h"
-#include "render/export/looks.h"
 #include "scenes/load/load_scene.h"
 
 namespace taut {

@@ -1,4 +1,6 @@
 // Plans against all that could have been planned, and against truths that the planner never saw.
+#include "render/plan/plan.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,11 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "render/plan/plan_models.h"
 #include "render/study/study_target.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/load/plan_file.h"
-#include "sim/evaluation/sample_points.h"
+#include "sim/evaluation/accuracy.h"
 #include "tests/support/folder.h"
 
 namespace taut {

@@ -9,7 +9,6 @@
 
 #include "render/options/scene_options.h"
 #include "sim/run/method.h"
-#include "sim/run/method_choice.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/json_schema.h"

@@ -12,7 +12,7 @@
 #include <regex>
 #include <thread>
 
-#include "render/program/exit_code.h"
+#include "render/program/output.h"
 #include "tests/faults/subject.h"
 #include "tests/faults/trial.h"
 #include "tests/support/dice.h"

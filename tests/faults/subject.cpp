@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "render/program/exit_code.h"
+#include "render/program/output.h"
 #include "tests/cli/swing_scene.h"
 
 namespace taut::faults {

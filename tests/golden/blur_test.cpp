@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "render/draw/stage_renderer.h"
-#include "scenes/scene/shapes.h"
+#include "scenes/scene/stage.h"
 
 namespace taut::blur_test {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "render/draw/stage_renderer.h"
-#include "scenes/scene/shapes.h"
+#include "scenes/scene/stage.h"
 
 namespace taut::lens_test {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "render/draw/moving_parts.h"
 #include "render/draw/shading/lighting.h"
+#include "render/draw/stage_parts.h"
 #include "render/gl/context.h"
 
 namespace taut::motion_extents_test {

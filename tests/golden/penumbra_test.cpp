@@ -8,7 +8,7 @@
 
 #include "render/draw/shading/lighting.h"
 #include "render/draw/stage_renderer.h"
-#include "scenes/scene/shapes.h"
+#include "scenes/scene/stage.h"
 
 namespace taut::penumbra_test {
 namespace {

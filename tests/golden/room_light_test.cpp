@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/draw/moving_parts.h"
+#include "render/draw/stage_parts.h"
 #include "render/gl/context.h"
 
 namespace taut::room_light_test {

@@ -8,7 +8,7 @@
 
 #include "render/film/film.h"
 #include "scenes/load/load_scene.h"
-#include "scenes/scene/clip_simulation.h"
+#include "scenes/scene/clip.h"
 #include "tests/support/folder.h"
 
 namespace taut::savings_test {

@@ -11,7 +11,7 @@
 #include "sim/evaluation/accuracy.h"
 #include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
-#include "sim/motion/circle.h"
+#include "sim/motion/path.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
 #include "tests/support/dice.h"

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/evaluation/energy_balance.h"
 #include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
 #include "sim/run/method.h"

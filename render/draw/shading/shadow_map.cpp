@@ -1,7 +1,14 @@
 #include "render/draw/shading/shadow_map.h"
 
-#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "render/draw/shading/lighting.h"
 #include "render/gl/shaders.h"
 
 namespace taut::draw {
@@ -109,6 +116,197 @@ void ShadowMap::copy(GLuint from, GLuint to, const picture::Rect& part) const {
   if (part.empty()) return;
   gl_.CopyImageSubData(from, GL_TEXTURE_2D, 0, part.x, part.y, 0, to, GL_TEXTURE_2D, 0, part.x,
                        part.y, 0, part.width, part.height, 1);
+}
+
+namespace {
+
+Eigen::AlignedBox3f around(const Places& places, const std::uint32_t* corner) {
+  Eigen::AlignedBox3f box(places[corner[0]]);
+  return box.extend(places[corner[1]]).extend(places[corner[2]]);
+}
+
+/// Whether a triangle overlaps an upright square, seen along z, if their boxes do: no side of it
+/// parts them.
+bool meets(const std::array<Eigen::Vector2f, 3>& triangle, const Eigen::Vector2f& centre,
+           float half) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector2f side = triangle[(k + 1) % 3] - triangle[k];
+    const Eigen::Vector2f across(-side.y(), side.x());
+    const float width = across.dot(triangle[(k + 2) % 3] - triangle[k]);
+    const float at = across.dot(centre - triangle[k]), extent = half * across.lpNorm<1>();
+    if (at + extent < std::min(width, 0.0f) || at - extent > std::max(width, 0.0f)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void ShadowCover::start(const Eigen::Matrix4f& light_projection, float filter, float penumbra) {
+  projection_ = light_projection;
+  filter_ = filter;
+  penumbra_ = penumbra;
+  nearest_.assign(kCells * kCells, std::numeric_limits<float>::infinity());
+  covered_.setEmpty();
+}
+
+void ShadowCover::project(const Places& places, Places& projected) const {
+  const Eigen::Matrix3f m = projection_.topLeftCorner<3, 3>();
+  const Eigen::Vector3f t = projection_.topRightCorner<3, 1>();
+  projected.clear();
+  for (const Eigen::Vector3f& p : places) projected.emplace_back(m * p + t);
+}
+
+void ShadowCover::add(std::span<const std::uint32_t> triangles, std::span<const Places> times) {
+  if (triangles.empty()) return;
+  projected_.resize(std::max(projected_.size(), times.size()));
+  for (std::size_t i = 0; i < times.size(); ++i) project(times[i], projected_[i]);
+  const auto cell = [](float at) {  // the first one of what is no number
+    return at > 0 ? int(std::min(at * kCells, float(kCells - 1))) : 0;
+  };
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    Eigen::AlignedBox3f box;
+    for (std::size_t k = 0; k < times.size(); ++k) box.extend(around(projected_[k], &triangles[i]));
+    covered_.extend(box);
+    for (int y = cell(box.min().y()); y <= cell(box.max().y()); ++y)
+      for (int x = cell(box.min().x()); x <= cell(box.max().x()); ++x) {
+        float& nearest = nearest_[std::size_t(y * kCells + x)];
+        nearest = std::min(nearest, box.min().z());
+      }
+  }
+}
+
+bool ShadowCover::hides(const Places& projected, const std::uint32_t* corner) const {
+  const Eigen::AlignedBox3f triangle = around(projected, corner);
+  const float filter =
+      filter_ + penumbra_ * std::max(triangle.max().z() - covered_.min().z(), 0.0f);
+  const float margin = filter + 1.0f / kCells;
+  if ((triangle.max().head<2>().array() + margin < covered_.min().head<2>().array()).any() ||
+      (triangle.min().head<2>().array() - margin > covered_.max().head<2>().array()).any() ||
+      triangle.max().z() <= covered_.min().z())
+    return false;
+  const Eigen::Array2f low = (triangle.min().head<2>().array() - filter) * float(kCells);
+  const Eigen::Array2f high = (triangle.max().head<2>().array() + filter) * float(kCells);
+  // So written that what is no number is not hidden.
+  if (!(high >= 0).all() || !(low < float(kCells)).all()) return false;
+  const Eigen::Array2i first = low.max(0.0f).cast<int>();
+  const Eigen::Array2i last = high.min(float(kCells - 1)).cast<int>();
+  const std::array sides{Eigen::Vector2f(projected[corner[0]].head<2>()),
+                         Eigen::Vector2f(projected[corner[1]].head<2>()),
+                         Eigen::Vector2f(projected[corner[2]].head<2>())};
+  for (int y = first.y(); y <= last.y(); ++y)
+    for (int x = first.x(); x <= last.x(); ++x) {
+      if (nearest_[std::size_t(y * kCells + x)] >= triangle.max().z()) continue;
+      const Eigen::Vector2f centre((float(x) + 0.5f) / kCells, (float(y) + 0.5f) / kCells);
+      if (meets(sides, centre, 0.5f / kCells + filter)) return true;
+    }
+  return false;
+}
+
+Eigen::AlignedBox3f ShadowCover::find(std::span<const std::uint32_t> triangles,
+                                      const Places& places,
+                                      std::span<const Eigen::AlignedBox3f> boxes,
+                                      std::vector<std::uint32_t>& indices) {
+  projected_.resize(std::max<std::size_t>(projected_.size(), 1));
+  project(places, projected_[0]);
+  indices.clear();
+  Eigen::AlignedBox3f found;
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    const std::uint32_t* corner = &triangles[i];
+    const bool hidden = hides(projected_[0], corner);
+    if (!hidden && boxes.empty()) continue;
+    const Eigen::AlignedBox3f box = around(places, corner);
+    if (!hidden && std::ranges::none_of(boxes, [&](const auto& b) { return b.intersects(box); }))
+      continue;
+    indices.insert(indices.end(), corner, corner + 3);
+    found.extend(box);
+  }
+  return found;
+}
+
+namespace {
+
+constexpr int kSize = 2048;  // texels; 6 mm of a room of 12 m
+constexpr int kBlock = 16;   // texels of a span: penumbras are narrower
+constexpr int kBlocks = kSize / kBlock;
+
+using Span = Eigen::Vector2f;  // least and greatest depth
+
+/// The span of each block, and then of it and its neighbours.
+std::vector<Span> spans_of(const std::vector<float>& depths) {
+  std::vector<Span> own(std::size_t(kBlocks * kBlocks), Span(1, 0)), wide = own;
+  const auto add = [](Span& span, float least, float greatest) {
+    span = {std::min(span.x(), least), std::max(span.y(), greatest)};
+  };
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const float depth = depths[std::size_t(y) * kSize + std::size_t(x)];
+      add(own[std::size_t(y / kBlock * kBlocks + x / kBlock)], depth, depth);
+    }
+  for (int y = 0; y < kBlocks; ++y)
+    for (int x = 0; x < kBlocks; ++x)
+      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, kBlocks - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, kBlocks - 1); ++i) {
+          const Span& near = own[std::size_t(j * kBlocks + i)];
+          add(wide[std::size_t(y * kBlocks + x)], near.x(), near.y());
+        }
+  return wide;
+}
+
+/// A matrix as a constant of GLSL.
+std::string glsl(const Eigen::Matrix4f& m) {
+  return fmt::format("mat4({:.9g})", fmt::join(m.data(), m.data() + 16, ", "));
+}
+
+}  // namespace
+
+SceneryShadow::SceneryShadow(const gl::Gl& gl, const scenes::Light& light,
+                             std::span<Drawable> things)
+    : gl_(gl), projection_(Eigen::Matrix4f::Zero()) {
+  const Eigen::AlignedBox3d room = box_around(things);
+  if (!light.scenery_casts || room.isEmpty()) return;
+  projection_ = light_map(light.direction, room, kSize).projection;
+  depths_ = gl::make_texture(gl, GL_DEPTH_COMPONENT32F, kSize, kSize);
+  plainly_ = gl::make_depth_sampler(gl);
+  const gl::GlObject target = gl::make_framebuffer(gl, 0, depths_.id());
+  const gl::Program program(gl,
+                            fmt::format("const mat4 light_projection = {};\n", glsl(projection_)),
+                            gl::shaders::depth_vertex, gl::shaders::depth_fragment);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target.id());
+  gl.Viewport(0, 0, kSize, kSize);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_LESS);
+  gl.Enable(GL_CULL_FACE);
+  gl.CullFace(GL_FRONT);
+  gl.Disable(GL_BLEND);
+  gl.Disable(GL_SCISSOR_TEST);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  program.use();
+  program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+  for (const Drawable& thing : things) thing.draw();
+  std::vector<float> depths(std::size_t(kSize) * kSize);
+  gl.PixelStorei(GL_PACK_ROW_LENGTH, kSize);
+  gl.ReadPixels(0, 0, kSize, kSize, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+  const std::vector<Span> spans = spans_of(depths);
+  spans_ = gl::make_texture(gl, GL_RG32F, kBlocks, kBlocks);
+  gl.TextureParameteri(spans_.id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl.TextureParameteri(spans_.id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TextureSubImage2D(spans_.id(), 0, 0, 0, kBlocks, kBlocks, GL_RG, GL_FLOAT, spans.data());
+}
+
+std::string SceneryShadow::constants() const {
+  std::string text = fmt::format("#define CASTING {:d}\n", bool(depths_));
+  if (depths_)
+    text += fmt::format("const mat4 SCENERY_MAP = {};\n#define SCENERY_PENUMBRA {:.9g}\n",
+                        glsl(projection_), penumbra(projection_));
+  return text + gl::shaders::past_scenery;
+}
+
+void SceneryShadow::bind() const {
+  if (!depths_) return;
+  gl_.BindTextureUnit(5, depths_.id());
+  gl_.BindSampler(5, plainly_.id());
+  gl_.BindTextureUnit(6, spans_.id());
 }
 
 }  // namespace taut::draw

@@ -7,14 +7,21 @@
 #include <memory>
 #include <string>
 
-#include "render/draw/shading/draw_item.h"
+#include "render/draw/shading/drawable.h"
 #include "render/draw/shading/lighting.h"
-#include "render/draw/shading/scenery_shadow.h"
+#include "render/draw/shading/shadow_map.h"
 #include "render/gl/gpu.h"
-#include "render/picture/rect.h"
+#include "render/picture/picture.h"
 #include "scenes/scene/stage.h"
 
 namespace taut::draw {
+
+// The texture that wood, cloth and skin take their irregularity from.
+
+/// Two channels of tiling fractal noise around 1/2, and the slopes of creases along both axes,
+/// which lie where the first is 1/2: by 510 ths, over four texels, from 128 of 255. With mipmaps,
+/// repeating beyond its edge.
+gl::GlObject make_noise_texture(const gl::Gl& gl);
 
 constexpr std::size_t kCapsules = 12;
 /// Most instants of what moves whose shadows a surface shows at once.

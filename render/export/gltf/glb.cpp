@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 
+#include "render/export/frame_writer.h"
 #include "render/export/gltf/gltf_connector.h"
-#include "render/export/gltf/gltf_figure.h"
-#include "render/export/gltf/gltf_view.h"
-#include "render/export/gltf/spline_tracks.h"
-#include "render/export/looks.h"
+#include "render/export/gltf/gltf_motion.h"
 #include "scenes/format/document.h"
-#include "scenes/scene/names.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::exporting {
 namespace {
@@ -121,6 +120,83 @@ class GlbWriter final : public FrameWriter {
 
 std::unique_ptr<FrameWriter> glb_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<GlbWriter>(scene, std::move(write));
+}
+
+GltfView::GltfView(GltfFile& file, const scenes::Scene& scene) {
+  for (const NamedCamera& camera : cameras(scene)) {
+    const std::size_t lens =
+        file.add("cameras", {{"name", camera.name},
+                             {"type", "perspective"},
+                             {"perspective",
+                              {{"aspectRatio", double(scene.width) / scene.height},
+                               {"yfov", scenes::camera_at(camera.keys, camera.start).field_of_view},
+                               {"znear", 0.05},
+                               {"zfar", 60}}}});
+    const std::size_t node = file.add_node(camera.name);
+    file.node(node)["camera"] = lens;
+    cameras_.push_back({node, camera});
+  }
+  const scenes::Light& light = scene.stage->light;
+  const double brightest = std::max(light.color.maxCoeff(), 1e-9);
+  const Vec3 color = light.color / brightest;
+  const char* const extension = "KHR_lights_punctual";
+  const char* const name = "key light";
+  file.use_extension(extension, {{"lights",
+                                  {{{"name", name},
+                                    {"type", "directional"},
+                                    {"color", {color.x(), color.y(), color.z()}},
+                                    {"intensity", brightest}}}}});
+  const std::size_t node = file.add_node(name);
+  file.node(node)["extensions"] = {{extension, {{"light", 0}}}};
+  file.place(node, {Vec3::Zero(), looking(light.direction)});
+}
+
+void GltfView::place(double time, GltfMotion& motion) const {
+  for (const auto& [node, camera] : cameras_) {
+    const scenes::CameraView view = scenes::camera_at(camera.keys, time);
+    motion.translate(node, view.position);
+    motion.turn(node, looking(view.target - view.position));
+  }
+}
+
+GltfFigure::GltfFigure(GltfFile& file, GltfMeshes& meshes, const std::string& name,
+                       const scenes::Model& model)
+    : model_(model) {
+  const std::size_t group = file.add_node(name);
+  for (const scenes::Bone& bone : model.bones)
+    bones_.push_back(
+        file.add_node(bone.name, bone.parent < 0 ? group : bones_[std::size_t(bone.parent)]));
+  std::vector<std::size_t> joints = bones_;
+  std::vector<float> inverse_bind;
+  for (const scenes::Bone& bone : model.bones) {
+    Eigen::Matrix4f m = bone.inverse_bind;
+    m.row(3) << 0, 0, 0, 1;
+    inverse_bind.insert(inverse_bind.end(), m.data(), m.data() + m.size());
+  }
+  if (GltfMeshes::has_fixed_vertices(model)) {
+    joints.push_back(group);
+    const Eigen::Matrix4f none = Eigen::Matrix4f::Identity();
+    inverse_bind.insert(inverse_bind.end(), none.data(), none.data() + none.size());
+  }
+  const std::size_t skin = file.add(
+      "skins", {{"name", name},
+                {"inverseBindMatrices",
+                 file.add_numbers(std::span<const float>(inverse_bind), {GltfFile::f32, "MAT4"})},
+                {"skeleton", group},
+                {"joints", joints}});
+  const std::size_t node = file.add_node(name + " skin");
+  file.node(node)["mesh"] = meshes.of_model(model);
+  file.node(node)["skin"] = skin;
+}
+
+void GltfFigure::pose(std::span<const Pose> bones, GltfMotion& motion) const {
+  for (std::size_t i = 0; i < bones_.size(); ++i) {
+    const int parent = model_.bones[i].parent;
+    const Pose above = parent < 0 ? Pose() : bones[std::size_t(parent)];
+    const Quat back = above.rotation.conjugate();
+    motion.translate(bones_[i], back * (bones[i].position - above.position));
+    motion.turn(bones_[i], back * bones[i].rotation);
+  }
 }
 
 }  // namespace taut::exporting

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/mesh/link_frames.h"
+#include "render/mesh/chain_mesh.h"
 
 namespace taut::exporting {
 namespace {

@@ -1,6 +1,6 @@
 #include "render/export/gltf/gltf_file.h"
 
-#include "render/export/little_endian.h"
+#include "render/export/npz.h"
 
 namespace taut::exporting {
 namespace {

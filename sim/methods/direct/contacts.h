@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/contact/near_links.h"
+#include "sim/contact/capsule.h"
 #include "sim/methods/direct/implicit.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/run/method.h"

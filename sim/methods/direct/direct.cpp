@@ -4,14 +4,14 @@
 #include <cstring>
 
 #include "sim/methods/direct/contacts.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/elastic.h"
 #include "sim/methods/direct/followed_parts.h"
-#include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/implicit.h"
 #include "sim/methods/direct/joined.h"
 #include "sim/methods/direct/spans.h"
-#include "sim/run/companion.h"
-#include "sim/topology/room.h"
+#include "sim/run/error_estimate.h"
+#include "sim/topology/components.h"
 
 namespace taut::direct {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/links/mechanism.h"
-#include "sim/methods/direct/full_length.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/system/system.h"
 
 namespace taut::direct {

@@ -4,7 +4,7 @@
 #include <ranges>
 #include <stdexcept>
 
-#include "sim/topology/room.h"
+#include "sim/topology/components.h"
 #include "sim/world/places.h"
 
 namespace taut::direct {

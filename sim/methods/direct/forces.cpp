@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sim/measure/measure.h"
-#include "sim/methods/direct/implicit_step.h"
-#include "sim/methods/direct/spans_as_strings.h"
+#include "sim/methods/direct/implicit.h"
+#include "sim/methods/direct/spans.h"
 #include "sim/run/method.h"
 
 namespace taut::direct {

@@ -6,7 +6,6 @@
 #include <array>
 #include <optional>
 
-#include "sim/methods/direct/constants.h"
 #include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/schemes/adams.h"
 #include "sim/methods/direct/schemes/arena.h"

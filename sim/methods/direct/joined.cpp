@@ -5,8 +5,7 @@
 #include <limits>
 
 #include "sim/measure/measure.h"
-#include "sim/methods/direct/constants.h"
-#include "sim/methods/direct/full_length.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/schemes/dop853.h"
 #include "sim/methods/direct/system/system.h"
 #include "sim/topology/span.h"

@@ -1,6 +1,7 @@
 // Massless spans by the direct method: free while slack, one rigid link while taut.
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "sim/run/method.h"
 #include "sim/topology/span.h"
 #include "sim/world/hanging.h"
+#include "sim/world/world.h"
 
 namespace taut::direct {
 
@@ -79,6 +81,32 @@ class Spans {
   std::vector<PointMass> point_masses_;  // bodies of the inner world, behind those of the outer
   std::vector<std::size_t> copied_;      // connectors of the outer world that are links
   std::vector<double> tension_;          // N, of the inner world's connectors
+  HangingChain hanging_;
+};
+
+// Massless spans as strings of one link, for steps that know no spans.
+
+/// A copy of a world in which each massless span is a connector of its own: a string of one link
+/// between the same ends, with the same restitution. The first span of a connector has the
+/// connector's index, the others follow behind all. Ends that nothing holds and that have no mass
+/// get a millionth of what the lightest particle or body has.
+class SpansAsStrings {
+ public:
+  /// Call first, and whenever the topology is new.
+  void rebuild(const World& world);
+  /// Takes the state of the world that the copy was made of, and gives it the copy's.
+  void read(const World& world);
+  void write(World& world);
+  World& world() { return strings_; }
+  struct Place {
+    Span span;
+    std::size_t string = 0;  // index of a connector of world()
+  };
+  const std::vector<Place>& places() const { return places_; }
+
+ private:
+  std::vector<Place> places_;
+  World strings_;
   HangingChain hanging_;
 };
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/methods/direct/system/vector.h"
+#include "sim/methods/direct/system/links.h"
 
 namespace taut::direct {
 

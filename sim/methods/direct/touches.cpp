@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/contact/body_touch.h"
+#include "sim/contact/body_contacts.h"
 
 namespace taut::direct {
 namespace {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sim/contact/capsule.h"
-#include "sim/contact/near_links.h"
 #include "sim/links/mechanism.h"
 #include "sim/run/forces.h"
 #include "sim/world/world.h"

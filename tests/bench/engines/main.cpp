@@ -1,6 +1,6 @@
 // taut beside other engines: their settings in taut's own studies.
 #include "render/cli/commands.h"
-#include "sim/run/add_method.h"
+#include "sim/run/method.h"
 #include "tests/bench/engines/engine.h"
 
 int main(int argc, char** argv) {

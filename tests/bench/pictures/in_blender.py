@@ -26,7 +26,7 @@ def lattice(x, y, seed):
 
 
 def noise(size=256):
-    """The two channels of the renderer's noise (render/draw/shading/noise.cpp), as an image."""
+    """The two channels of the renderer's noise (render/draw/shading/surfaces.cpp), as an image."""
     y, x = numpy.mgrid[0:size, 0:size].astype(numpy.uint64)
     pixels = numpy.ones((size, size, 4), numpy.float32)
     for channel, period in ((0, 8), (1, 32)):

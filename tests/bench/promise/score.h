@@ -1,7 +1,7 @@
 // How well a method keeps its promise on a drawn scene.
 #pragma once
 
-#include "sim/run/method_choice.h"
+#include "sim/run/method.h"
 #include "tests/bench/promise/reference.h"
 
 namespace taut::promise {

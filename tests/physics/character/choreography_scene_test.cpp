@@ -7,7 +7,7 @@
 
 #include "scenes/load/load_scene.h"
 #include "sim/choreography/choreography.h"
-#include "sim/choreography/hand_frame.h"
+#include "sim/choreography/flat_fit.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
 

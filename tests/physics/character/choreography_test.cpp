@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include "sim/choreography/flat_chain.h"
-#include "sim/choreography/gaussian_sum.h"
-#include "sim/choreography/hand_frame.h"
+#include "sim/choreography/flat_fit.h"
 #include "sim/contact/capsule.h"
 #include "sim/motion/rotation.h"
 #include "sim/run/method.h"

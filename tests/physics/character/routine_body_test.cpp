@@ -9,7 +9,7 @@
 
 #include "render/mesh/skinning.h"
 #include "scenes/character/capsules.h"
-#include "scenes/character/grip.h"
+#include "scenes/character/hand.h"
 #include "tests/physics/character/routine.h"
 
 namespace taut::routine_body_test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/contact/near_links.h"
+#include "sim/contact/capsule.h"
 #include "sim/interventions/interventions.h"
 #include "sim/measure/curves.h"
 #include "sim/measure/measure.h"

@@ -6,7 +6,7 @@
 
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
-#include "sim/world/shape.h"
+#include "sim/world/obstacle.h"
 #include "sim/world/winched.h"
 #include "tests/physics/worlds.h"
 

@@ -1,6 +1,4 @@
 // Pulleys: rope that passes from one connector into another, against known answers.
-#include "sim/winch/pulley.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "../worlds.h"
 #include "pulley_worlds.h"
 #include "sim/measure/measure.h"
+#include "sim/winch/winch.h"
 #include "sim/world/winched.h"
 
 namespace taut::pulley_test {

@@ -10,9 +10,9 @@
 
 #include "../material/material_worlds.h"
 #include "../worlds.h"
-#include "sim/links/winch_tension.h"
+#include "sim/links/tension.h"
 #include "sim/measure/measure.h"
-#include "sim/run/coarser.h"
+#include "sim/run/reduced.h"
 #include "sim/truth/truth.h"
 #include "sim/world/winched.h"
 

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "render/film/card.h"
-
 namespace taut::caption_test {
 namespace {
 

@@ -1,11 +1,10 @@
 // A chain lies on the ends of the sticks it hangs on.
-#include "render/mesh/chain_contact.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "render/mesh/chain_mesh.h"
 #include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 

@@ -11,7 +11,6 @@
 #include <tuple>
 
 #include "render/base/error.h"
-#include "render/chart/chart_layout.h"
 
 namespace taut::chart_test {
 namespace {

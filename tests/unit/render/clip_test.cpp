@@ -1,5 +1,7 @@
 // The contents of a clip: the order of cards and shots, the time of each frame, and the simulation
 // made for it.
+#include "scenes/scene/clip.h"
+
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -11,7 +13,6 @@
 #include "render/draw/shading/lighting.h"
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
-#include "scenes/scene/clip_simulation.h"
 #include "tests/physics/worlds.h"
 
 namespace taut::clip_test {

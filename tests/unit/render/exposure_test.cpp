@@ -1,14 +1,13 @@
 // Which states a frame shows while its shutter is open, and how exposures differ.
-#include "scenes/scene/exposure.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
 
-#include "render/draw/jitter.h"
+#include "render/draw/motion_extents.h"
 #include "render/draw/shading/lighting.h"
 #include "scenes/load/load_scene.h"
+#include "scenes/scene/clip.h"
 
 namespace taut::exposure_test {
 namespace {

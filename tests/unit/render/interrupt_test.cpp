@@ -11,8 +11,6 @@
 #include <thread>
 
 #include "render/base/atomic_file.h"
-#include "render/base/leftovers.h"
-#include "render/base/part_file.h"
 #include "sim/motion/stop.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"

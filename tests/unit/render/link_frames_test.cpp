@@ -1,13 +1,11 @@
 // How the links of a chain are placed and turned.
-#include "render/mesh/link_frames.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "render/mesh/chain_contact.h"
+#include "render/mesh/chain_mesh.h"
 #include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 

@@ -1,8 +1,8 @@
-#include "render/golden/picture_difference.h"
-
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+
+#include "render/golden/golden.h"
 
 namespace taut::picture_difference_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "render/picture/paint.h"
+#include "render/picture/text.h"
 #include "tests/support/folder.h"
 
 namespace taut::picture_test {

@@ -1,10 +1,9 @@
 // Which pixels can be touched: rectangles, hulls and shadows computed by hand.
-#include "render/draw/screen_extent.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "render/draw/motion_extents.h"
 #include "render/draw/shading/lighting.h"
 
 namespace taut::screen_extent_test {

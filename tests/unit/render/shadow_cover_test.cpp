@@ -1,10 +1,10 @@
 // Which triangles shadows can reach, also where floats run out of numbers.
-#include "render/draw/shading/shadow_cover.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <limits>
+
+#include "render/draw/shading/shadow_map.h"
 
 namespace taut::shadow_cover_test {
 namespace {

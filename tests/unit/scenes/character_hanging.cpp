@@ -8,7 +8,7 @@
 #include <set>
 
 #include "render/mesh/skinning.h"
-#include "scenes/character/hanging_cloth.h"
+#include "scenes/character/cloth.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/model/load_model.h"
 

@@ -5,7 +5,7 @@
 
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
-#include "scenes/scene/view.h"
+#include "scenes/scene/stage.h"
 #include "tests/support/folder.h"
 
 namespace taut::default_stage_test {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "scenes/load/warnings.h"
+#include "scenes/load/faults.h"
 #include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::obstacle_scene_test {

@@ -6,8 +6,6 @@
 #include <map>
 #include <numbers>
 
-#include "scenes/scene/shapes.h"
-
 namespace taut::stage_test {
 namespace {
 

@@ -1,8 +1,7 @@
-#include "sim/run/bodies_as_links.h"
-
 #include <gtest/gtest.h>
 
 #include "sim/measure/measure.h"
+#include "sim/run/reduced.h"
 #include "sim/run/simulation.h"
 
 namespace taut::bodies_as_links_test {

@@ -1,9 +1,8 @@
-#include "sim/evaluation/energy_balance.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 

@@ -1,6 +1,4 @@
 // The estimated footprint of a simulation, against the kernel's account.
-#include "sim/run/footprint.h"
-
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <sys/resource.h>

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "sim/run/method_choice.h"
 #include "sim/run/simulation.h"
 
 namespace taut::method_test {

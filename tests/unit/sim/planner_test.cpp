@@ -4,10 +4,9 @@
 
 #include <cmath>
 
+#include "sim/evaluation/accuracy.h"
 #include "sim/evaluation/run.h"
-#include "sim/evaluation/sample_points.h"
 #include "sim/run/simulation.h"
-#include "sim/study/refined.h"
 #include "sim/world/winched.h"
 
 namespace taut::planner_test {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/methods/direct/system/vector.h"
+#include "sim/methods/direct/system/links.h"
 
 namespace taut::direct {
 namespace {

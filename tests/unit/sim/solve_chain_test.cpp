@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "sim/methods/direct/system/tridiagonal.h"
+#include "sim/methods/direct/system/links.h"
 
 namespace taut::direct {
 namespace {

@@ -6,8 +6,6 @@
 
 #include "sim/evaluation/accuracy.h"
 #include "sim/evaluation/run.h"
-#include "sim/evaluation/sweep.h"
-#include "sim/study/front.h"
 #include "sim/study/speed_accuracy.h"
 
 namespace taut::study_test {

@@ -1,5 +1,3 @@
-#include "sim/interventions/timeline.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,9 +5,10 @@
 #include <limits>
 #include <random>
 
+#include "sim/interventions/interventions.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
-#include "sim/topology/parts.h"
+#include "sim/topology/components.h"
 #include "sim/world/places.h"
 
 namespace taut::timeline_test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/methods/direct/system/vector.h"
+#include "sim/methods/direct/system/links.h"
 
 namespace taut::direct {
 namespace {

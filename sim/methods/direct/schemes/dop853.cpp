@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "sim/methods/direct/schemes/arena.h"
-#include "sim/methods/direct/system/vector.h"
+#include "sim/methods/direct/system/links.h"
 
 namespace taut::direct {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "sim/methods/direct/schemes/arena.h"
-#include "sim/methods/direct/system/vector.h"
+#include "sim/methods/direct/system/links.h"
 
 namespace taut::direct {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/links/equimomental_link.h"
+#include "sim/links/mechanism.h"
 #include "sim/motion/rotation.h"
 
 namespace taut::direct {
