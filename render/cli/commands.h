@@ -22,13 +22,14 @@ void add_claims(CLI::App& app, program::Program& program);
 void add_plan(CLI::App& app, program::Program& program);
 void add_choreograph(CLI::App& app, program::Program& program);
 void add_report(CLI::App& app, program::Program& program);
+void add_verify(CLI::App& app, program::Program& program);
 
 /// In the order in which --help lists them.
 inline constexpr program::AddCommand kCommands[] = {
     add_new,         add_demo,     add_render,         add_simulate,  add_export,
     add_check,       add_bench,    add_chart,          add_stability, add_compare,
     add_golden,      add_classify, add_work_precision, add_claims,    add_plan,
-    add_choreograph, add_report,
+    add_choreograph, add_report,   add_verify,
 };
 
 }  // namespace taut::cli

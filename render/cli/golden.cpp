@@ -103,7 +103,7 @@ int check(clips::Goldens& goldens, const fs::path& out, const program::Common& c
   } else {
     program::write_text(text);
   }
-  return failures.empty() ? program::kDone : program::kGoldenDiffers;
+  return failures.empty() ? program::kDone : program::kDiffers;
 }
 
 int run(const Options& options, const program::Common& common) {

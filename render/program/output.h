@@ -21,7 +21,7 @@ namespace taut::program {
 
 enum ExitCode : int {
   kDone = 0,
-  kGoldenDiffers = 1,
+  kDiffers = 1,      // a golden, or a known answer
   kUsage = 2,        // also every code of the option parser
   kBadScene = 3,     // or a bad asset
   kNoContext = 4,    // no rendering context

@@ -48,9 +48,10 @@ Files that a scene names are looked for in --assets, in the folders of the envir
 CMakePresets.json or .git), in share/taut where taut is installed, and in the project in which taut
 was built.
 
-Results go to standard output, messages to standard error. Exit codes: 0 done, 1 a golden differs,
-2 usage, 3 bad scene or asset, 4 no rendering context, 5 FFmpeg missing or failed, 6 output could
-not be written, 7 the simulation diverged, 8 out of memory, 130 interrupted, 143 terminated.)";
+Results go to standard output, messages to standard error. Exit codes: 0 done, 1 a golden or answer
+differs, 2 usage, 3 bad scene or asset, 4 no rendering context, 5 FFmpeg missing or failed, 6
+output could not be written, 7 the simulation diverged, 8 out of memory, 130 interrupted, 143
+terminated.)";
 
 ExitCode say_out_of_memory() {
   std::fputs("taut: out of memory\n", stderr);  // which takes none

@@ -14,6 +14,7 @@ STUDY, SIM, RENDER, SCENES, FRONT = ("sim/study/README.md", "sim/README.md", "re
 DIRECT = "sim/methods/direct/README.md"
 EXPORT = "render/export/README.md"
 TESTS = "tests/README.md"
+ANSWERS = "tests/answers/README.md"
 OURS = "impulse,dynamic-constraints,multibody,springs,xpbd,direct"
 
 
@@ -413,6 +414,37 @@ def exemptions(work):
 def features(work):
     """methods by the features that they follow, and those that they do not follow together"""
     return work.run("taut check --features").rstrip("\n")
+
+
+# The results in tests/answers/README.md.
+
+
+@result("answers", ANSWERS, measured=False)
+def answers(work):
+    """the laws of the known answers, from the headings of their scenes"""
+    rows = [["case", "law"]]
+    for scene in sorted((work.source / "tests/answers").glob("*/scene.toml")):
+        lines = [line[1:].strip() for line in scene.read_text().split("title =")[0].splitlines()]
+        law = " ".join(lines).split(" Compared:")[0].rstrip(".")
+        rows.append([f"[{scene.parent.name}]({scene.parent.name}/scene.toml)", law])
+    return markdown(rows, ())
+
+
+@result("answers-methods", ANSWERS)
+def answers_methods(work):
+    """how many of the known answers each method gives, and at what cost"""
+    methods = "direct,truth,multibody,dynamic-constraints,springs,xpbd"
+    told = json.loads(work.run(f"taut verify --methods {methods} --cap 10 --json -q", codes=(0, 1)))
+    rows = [["method", "passes", "within ten tolerances", "fails", "not followed", "CPU time (s)"]]
+    for method in methods.split(","):
+        mine = [one for case in told["cases"] for one in case["methods"] if one["method"] == method]
+        ran = [one for one in mine if one["verdict"] != "not run"]
+        passes = [one for one in ran if one["verdict"] == "passes"]
+        near = [one for one in ran if one["verdict"] == "fails" and one["worst"]["share_of_tolerance"] is not None
+                and one["worst"]["share_of_tolerance"] <= 10]
+        rows.append([f"`{method}`", len(passes), len(near), len(ran) - len(passes) - len(near), len(mine) - len(ran),
+                     digits(sum(one["cpu_s"] for one in ran), 2)])
+    return f"{len(told['cases'])} cases.\n\n" + markdown(rows, (1, 2, 3, 4, 5))
 
 
 # The results in render/README.md and scenes/README.md.

@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kCommands = {
-    "new",     "render", "simulate", "export",         "check",  "bench", "chart", "stability",
-    "compare", "golden", "classify", "work-precision", "claims", "plan",  "report"};
+    "new",     "render", "simulate", "export",         "check",  "bench", "chart",  "stability",
+    "compare", "golden", "classify", "work-precision", "claims", "plan",  "report", "verify"};
 
 class Usage : public testing::Test {
  protected:
@@ -263,6 +263,8 @@ TEST_F(Usage, EveryResultIsAsTheSchemaSays) {
   check("score", {"simulate", "swing.toml", "--score", "1e-4"});
   check("compare", {"compare", "swing.toml", "--size", "480x270", "--no-video", "--frames", "0"});
   check("classify", {"classify", "swing.toml"});
+  check("verify",
+        {"verify", TAUT_SOURCE_DIR "/tests/answers/pendulum", "--methods", "direct,impulse"});
   check("work-precision", {"work-precision", "swing.toml", "--quick", "--budget", "1"});
   check("bench", {"bench", "swing.toml", "--quick", "--budget", "1", "--particles", "4"});
   const std::string motions = TAUT_SOURCE_DIR "/tests/golden/motions";

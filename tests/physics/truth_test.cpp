@@ -67,38 +67,6 @@ TEST(Truth, SmallSwingsHaveTheFrequenciesOfTheLaguerreZeros) {
   for (const double sign : {-1.0, 1.0}) expect_mode(2, std::sqrt(2 * (2 + sign * std::sqrt(2.0))));
 }
 
-TEST(Truth, LargeSwingsHaveThePeriodOfTheEllipticIntegral) {
-  const std::pair<double, double> table[] = {
-      {60, 1.0731820072}, {90, 1.1803405990}, {120, 1.3728805006}, {170, 2.4393627197}};
-  for (const auto& [degrees, ratio] : table) {
-    EXPECT_NEAR(worlds::period_ratio(degrees), ratio, 1e-10);
-    const World world = worlds::pendulum(0.5, degrees);
-    const double period = ratio * 2 * std::numbers::pi * std::sqrt(0.5 / kGravity);
-    // Where it turns, the velocity over the acceleration is the error of the period.
-    const double fall = kGravity * std::sin(degrees * std::numbers::pi / 180);
-    EXPECT_LT(after(world, period).connectors[0].velocity[1].norm() / fall / period, 1e-9)
-        << degrees;
-  }
-}
-
-// Beads in balance between two points: tan(theta) of the links rises by m g / H from one to the
-// next, H the pull at the lowest. They stay.
-TEST(Truth, ACatenaryOfBeadsStaysAtRest) {
-  constexpr std::size_t links = 12;
-  World world = worlds::chain(links + 1, 1.2, Vec3::UnitX());
-  Connector& chain = world.connectors[0];
-  constexpr double rise = 0.35;  // m g / H
-  for (std::size_t k = 0; k < links; ++k) {
-    const double slope = rise * (static_cast<double>(k) - (links - 1) / 2.0);
-    chain.position[k + 1] = chain.position[k] + chain.rest[k] * Vec3(1, slope, 0).normalized();
-  }
-  chain.holds.push_back({links, worlds::fixed_at(chain.position[links])});
-  const World end = after(world, 1);
-  for (std::size_t i = 0; i <= links; ++i) {
-    EXPECT_LT((end.connectors[0].position[i] - chain.position[i]).norm(), 1e-10) << i;
-  }
-}
-
 /// When the tip of a chain of `links` folded beside its hold reaches its length below, over the
 /// time of free fall from the same height.
 double fall_ratio(std::size_t links) {

@@ -58,7 +58,16 @@ void Joined::rebuild(const World& world) {
     }
   }
   const auto& easy = mechanism_.inverse_mass();
-  carried_ = static_cast<double>(mechanism_.body_points().size() + mechanism_.pulleys());
+  lone_.clear();
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    const Mechanism::FreeBody& body = mechanism_.bodies()[b];
+    if (std::ranges::find(mechanism_.body_points(), b, &Mechanism::BodyPoint::body) !=
+        mechanism_.body_points().end())
+      continue;
+    lone_.push_back({b, std::sqrt(body.inertia.trace() / 2 * body.inverse_mass)});
+  }
+  carried_ =
+      static_cast<double>(mechanism_.body_points().size() + mechanism_.pulleys() + lone_.size());
   for (const double inverse_mass : easy) carried_ += inverse_mass > 0 ? 1 : 0;
   find_material_waves();
 }
@@ -155,14 +164,16 @@ double Joined::size(const State& error) const {
     sum += part(error, mechanism_.position(p)).squaredNorm() +
            time * time * part(error, mechanism_.velocity(p)).squaredNorm();
   }
-  for (const Mechanism::BodyPoint& point : mechanism_.body_points()) {
-    const std::size_t pose = mechanism_.pose(point.body), twist = mechanism_.twist(point.body);
-    const double arm = point.local.norm();
+  const auto add_point = [&](std::size_t body, double arm) {
+    const std::size_t pose = mechanism_.pose(body), twist = mechanism_.twist(body);
     const double turn = 2 * Eigen::Map<const Eigen::Vector4d>(&error[pose + 3]).norm();
     const double place = part(error, pose).norm() + arm * turn;
     const double speed = part(error, twist).norm() + arm * part(error, twist + 3).norm();
     sum += place * place + time * time * speed * speed;
-  }
+  };
+  for (const Mechanism::BodyPoint& point : mechanism_.body_points())
+    add_point(point.body, point.local.norm());
+  for (const Lone& lone : lone_) add_point(lone.body, lone.arm);
   for (std::size_t p = 0; p < mechanism_.pulleys(); ++p) {
     const double place = error[mechanism_.passed(p)], speed = error[mechanism_.speed(p)];
     sum += place * place + time * time * speed * speed;

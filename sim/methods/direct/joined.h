@@ -71,7 +71,14 @@ class Joined : public Stepping {
   bool within_known_ = false;            // states within that step
   double length_ = 0, shortest_ = 0;     // m: the scale of the world, and its shortest link
   double material_waves_ = 0;            // rad/s
-  double carried_ = 0;                   // particles that nothing prescribes
+  /// A free body on which no connector hangs: its error is that of a point `arm` (m) away from its
+  /// centre, the radius of gyration.
+  struct Lone {
+    std::size_t body = 0;
+    double arm = 0;
+  };
+  std::vector<Lone> lone_;
+  double carried_ = 0;  // particles that nothing prescribes, and lone bodies
   bool driven_ = false;
   double to_change_ = kNever, next_to_change_ = kNever;  // see PulleyFriction, of state_ and next_
 };

@@ -8,58 +8,6 @@ namespace {
 
 using namespace material_worlds;
 
-/// The end of a weightless cantilever of unit length and EI under a weight at its end: the elastica
-/// theta'' = -weight cos(theta), theta(0) = 0, theta'(1) = 0, by shooting with RK4.
-Vec3 elastica_end(double weight) {
-  constexpr int kSteps = 4000;
-  const auto shoot = [&](double curvature) {
-    constexpr double h = 1.0 / kSteps;
-    Eigen::Vector4d y(0, curvature, 0, 0);  // theta, its derivative, x, depth
-    const auto slope = [&](const Eigen::Vector4d& at) {
-      return Eigen::Vector4d(at[1], -weight * std::cos(at[0]), std::cos(at[0]), std::sin(at[0]));
-    };
-    for (int i = 0; i < kSteps; ++i) {
-      const Eigen::Vector4d a = slope(y), b = slope(y + h / 2 * a), c = slope(y + h / 2 * b),
-                            d = slope(y + h * c);
-      y += h / 6 * (a + 2 * (b + c) + d);
-    }
-    return y;
-  };
-  double low = 0, high = weight;
-  while (high - low > 1e-13 * weight) {
-    const double middle = (low + high) / 2;
-    (shoot(middle)[1] > 0 ? high : low) = middle;
-  }
-  const Eigen::Vector4d end = shoot(low);
-  return Vec3(end[2], -end[3], 0);
-}
-
-/// The end of a cantilever that has come to rest under such a weight, a hundred million times that
-/// of its own.
-Vec3 loaded_end(std::size_t links, double weight) {
-  Section made = section(kRigid, 1);
-  made.bending_damping = 0.05;
-  World world = rope(links, 1e-8, made, true);
-  world.gravity = Vec3(0, -10, 0);
-  world.connectors[0].particle_mass.back() += weight / 10;
-  finish(world);
-  return after(world, 100, 1e-4).connectors[0].position.back();
-}
-
-class Elastica : public testing::TestWithParam<double> {};
-
-// Second order in the links: the error of 100 of them is a quarter of that of 50, within what the
-// next order adds.
-TEST_P(Elastica, EndOfACantilever) {
-  const Vec3 end = elastica_end(GetParam());
-  const double coarse = (loaded_end(50, GetParam()) - end).norm();
-  const double fine = (loaded_end(100, GetParam()) - end).norm();
-  EXPECT_LT(fine, 1e-4);
-  EXPECT_NEAR(coarse / fine, 4, 0.4);
-}
-
-INSTANTIATE_TEST_SUITE_P(Weights, Elastica, testing::Values(1.0, 2.0, 5.0, 10.0));
-
 /// The rate (1/s) at which a small bow of a clamped column grows under a weight on its end, where a
 /// damper a million times as strong as its inertia brakes it.
 double growth(double share_of_critical) {
@@ -91,29 +39,6 @@ TEST(Column, BucklesWhereEulerSays) {
   EXPECT_GT(above, 0);
   EXPECT_NEAR(0.98 + 0.04 * below / (below - above), 1, 1e-3);
   EXPECT_NEAR(above - below, 0.04, 0.04 * 1e-2);
-}
-
-/// The speed at which a rope falls at last in still air, lying or standing.
-double terminal_speed(const Vec3& direction, const Drag& drag) {
-  World world = rope(20, 0.1, section(kRigid, 0), false);
-  Connector& falls = world.connectors[0];
-  for (std::size_t i = 0; i < falls.particles(); ++i) {
-    falls.position[i] = static_cast<double>(i) / 20 * direction;
-  }
-  falls.holds.clear();
-  falls.drag = drag;
-  world.air.density = 1.2;
-  finish(world);
-  const World end = after(world, 40, 1e-6);
-  return end.connectors[0].velocity[7].norm();
-}
-
-TEST(Air, RopesFallAtTheirTerminalSpeed) {
-  const double pushed = 1.2 * 1 * 0.01 / 2, weight = 0.1 * worlds::kGravity;
-  const double across = std::sqrt(weight / (1.2 * pushed));
-  EXPECT_NEAR(terminal_speed(Vec3::UnitX(), {1.2, 0.1}) / across, 1, 1e-6);
-  const double along = std::sqrt(weight / (0.1 * pushed));
-  EXPECT_NEAR(terminal_speed(-Vec3::UnitY(), {1.2, 0.1}) / along, 1, 1e-6);
 }
 
 // Wind presses on a light rope with a heavy end, half of it on the end: the whole rests where that

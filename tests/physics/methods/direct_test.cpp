@@ -73,22 +73,6 @@ TEST(Direct, SmallSwingsKeepTheFrequenciesOfTheLaguerreZeros) {
   }
 }
 
-TEST(Direct, PendulumsHaveThePeriodOfTheEllipticIntegral) {
-  const std::pair<double, double> periods[] = {
-      {60, 1.0731820072}, {90, 1.1803405990}, {120, 1.3728805006}, {170, 2.4393627197}};
-  for (const auto& [degrees, ratio] : periods) {
-    const double angle = degrees * std::numbers::pi / 180;
-    const Vec3 direction(std::sin(angle), -std::cos(angle), 0);
-    World world = chain_of(1, 0.5, 0.2, direction);
-    Simulation simulation(world, make_method("direct", tolerance(1e-9)));
-    simulation.advance_to(ratio * 2 * std::numbers::pi * std::sqrt(0.5 / kGravity));
-    // At the turning point an error of the period is an error of the second order: look at the
-    // rate.
-    const double fall = kGravity * std::sin(angle);
-    EXPECT_LT(simulation.world().connectors[0].velocity[1].norm() / fall, 1e-7) << degrees;
-  }
-}
-
 TEST(Direct, ACompoundPendulumSwingsByItsInertia) {
   World world;
   Body stick;

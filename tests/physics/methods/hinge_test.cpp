@@ -98,24 +98,6 @@ TEST(Hinge, AFourBarGoesAsTruthSays) {
   expect_as_truth(four_bar(), "four-bar");
 }
 
-// theta'' = -(m g a / J) sin theta, J about the hinge.
-TEST(Hinge, ARodOnOneIsAPhysicalPendulum) {
-  World start = hanging_rods(1);
-  start.bodies[0].velocity = Vec3(0.5, 0, 0);
-  start.bodies[0].spin = Vec3(0, 0, 1);
-  double angle = 0, rate = 1;
-  constexpr int kSteps = 20000;
-  for (int i = 0; i < kSteps; ++i) {
-    angle += 0.2 / kSteps * rate;
-    rate -= 0.4 / kSteps * worlds::kGravity * 0.5 * 3 * std::sin(angle);
-    angle += 0.2 / kSteps * rate;
-  }
-  const Vec3 right(0.5 * std::sin(angle), -0.5 * std::cos(angle), 0);
-  for (const char* method : {"direct", "truth"}) {
-    EXPECT_LT((after(start, method, {}).bodies[0].position - right).norm(), 1e-4) << method;
-  }
-}
-
 // Far from an obstacle they go as without one, and near one too.
 TEST(Hinge, AnObstacleThatNothingTouchesChangesNothing) {
   for (const double height : {-8.0, -2.6}) {

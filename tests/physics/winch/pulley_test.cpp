@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "../material/material_worlds.h"
@@ -20,19 +19,6 @@ using material_worlds::apart;
 using pulley_worlds::atwood;
 using worlds::kGravity;
 
-// Masses without rope fall by (m2 - m1) g / (m1 + m2 + I).
-TEST(Pulley, MassesFallByTheirDifference) {
-  const World start = atwood({.left_mass = 1, .right_mass = 1.5, .inertia = 0.25});
-  const double acceleration = kGravity * 0.5 / 2.75;
-  for (const char* method : {"truth", "direct"}) {
-    const World end = after(start, 0.5, method, {});
-    EXPECT_NEAR(end.pulleys[0].passed, acceleration * 0.125, 1e-10) << method;
-    EXPECT_NEAR(end.pulleys[0].speed, acceleration * 0.5, 1e-10) << method;
-    EXPECT_NEAR(end.connectors[0].position[0].y(), -0.8 + acceleration * 0.125, 1e-10) << method;
-    EXPECT_NEAR(end.connectors[1].position[1].y(), -1.2 - acceleration * 0.125, 1e-10) << method;
-  }
-}
-
 // A heavy rope that hangs straight: M q'' = (m2 - m1 + 2 density (q + (b - a)/2)) g.
 TEST(Pulley, HeavyRopeRunsAway) {
   for (const std::size_t links : {1u, 2u, 7u}) {
@@ -44,44 +30,6 @@ TEST(Pulley, HeavyRopeRunsAway) {
     EXPECT_NEAR(end.pulleys[0].passed, 0.1 / rate * std::sinh(rate * 0.6), 1e-8) << links;
     EXPECT_NEAR(energy(end), energy(pushed), 1e-8 * energy_scale(pushed)) << links;
   }
-}
-
-/// The swinging Atwood's machine as its two equations, by Runge and Kutta's method of order 4.
-struct Swing {
-  double length, rate, angle, turn;  // of the swinging side: m, m/s, rad, rad/s
-};
-Swing swung(Swing at, double heavy, double light, double duration) {
-  const auto slope = [&](const Swing& s) -> Swing {
-    const double pull = light * s.length * s.turn * s.turn + light * kGravity * std::cos(s.angle) -
-                        heavy * kGravity;
-    return {s.rate, pull / (heavy + light), s.turn,
-            -(kGravity * std::sin(s.angle) + 2 * s.rate * s.turn) / s.length};
-  };
-  const auto moved = [](const Swing& s, const Swing& by, double h) -> Swing {
-    return {s.length + h * by.length, s.rate + h * by.rate, s.angle + h * by.angle,
-            s.turn + h * by.turn};
-  };
-  constexpr int kSteps = 20000;
-  const double h = duration / kSteps;
-  for (int i = 0; i < kSteps; ++i) {
-    const Swing a = slope(at), b = slope(moved(at, a, h / 2)), c = slope(moved(at, b, h / 2)),
-                d = slope(moved(at, c, h));
-    at = moved(moved(moved(moved(at, a, h / 6), b, h / 3), c, h / 3), d, h / 6);
-  }
-  return at;
-}
-
-TEST(Pulley, SwingingMachineFollowsItsEquations) {
-  const World start = atwood({.left_mass = 3, .right_mass = 1.1, .degrees = 80});
-  const Swing known = swung({1.2, 0, 80 * std::numbers::pi / 180, 0}, 3, 1.1, 1.5);
-  const Vec3 place = known.length * worlds::from_down(known.angle * 180 / std::numbers::pi);
-  for (const char* method : {"truth", "direct"}) {
-    const World end = after(start, 1.5, method, {});
-    const double tolerance = method == std::string("truth") ? 1e-9 : 1e-3;
-    EXPECT_LT((end.connectors[1].position[1] - place).norm(), tolerance) << method;
-    EXPECT_NEAR(end.pulleys[0].passed, known.length - 1.2, tolerance) << method;
-  }
-  EXPECT_GT(std::abs(known.length - 1.2), 0.1);
 }
 
 /// A heavy rope over an eye that swings on one side, and turns about it.
@@ -356,26 +304,6 @@ TEST(Pulley, RopeSlidesOffATable) {
     EXPECT_NEAR(end.connectors[0].position[0].x(), -kLies + known, 1e-6);
     EXPECT_GT(known, 0.3);
   }
-}
-
-// The heavier of two loads on strings lands without a bounce. Its string goes slack, and the sheave
-// turns on and draws the lighter load up.
-TEST(Pulley, ALoadThatLandsLetsTheOtherRise) {
-  World world = atwood({.left_mass = 1, .right_mass = 2, .inertia = 0.5});
-  for (Connector& rope : world.connectors) {
-    rope.pulls = true;
-    rope.radius = 0.01;
-  }
-  Obstacle& floor = world.obstacles.emplace_back();
-  floor.name = "floor";
-  floor.place.position.y() = -1.2 - 0.2 - 0.01;
-  finish(world);
-  const double acceleration = kGravity / 3.5, lands = std::sqrt(0.4 / acceleration);
-  const double speed = acceleration * lands, slows = kGravity / 1.5;
-  const World end = after(world, lands + 0.1, 1e-6);
-  EXPECT_NEAR(end.connectors[1].position[1].y(), -1.4, 1e-6);
-  EXPECT_NEAR(end.connectors[0].velocity[0].y(), speed - slows * 0.1, 1e-5);
-  EXPECT_NEAR(end.connectors[0].position[0].y(), -0.6 + speed * 0.1 - slows * 0.005, 1e-5);
 }
 
 /// A rope over an eye, or two, that stretches.

@@ -156,20 +156,6 @@ TEST(Winch, DirectKeepsToItsTolerance) {
   }
 }
 
-// The tension at the drum by the momentum equation: what hangs straight moves as one.
-TEST(Winch, DrumPullsWithWhatItsLoadWeighsAndHowThatIsAccelerated) {
-  Simulation simulation(hoist(9, 0), make_method("direct", {{"tolerance", 1e-8}}));
-  for (const double time : {0.0, 0.3, 0.8, 1.7, 2.6}) {
-    simulation.advance_to(time);
-    const World& world = simulation.world();
-    const Connector& rope = world.connectors[0];
-    double mass = 0.3 + 0.1 / 9 / 2;  // the end's own half of a particle
-    mass += rope.winch->density * rope.length;
-    const double expected = mass * (kGravity - rope.winch->paid_out(0, time).acceleration);
-    EXPECT_NEAR(winch_tension(world, 0, 0), expected, 1e-9 * expected) << time;
-  }
-}
-
 /// The work (J) of the first rope's winch, and the kinetic energy with which rope comes out of it,
 /// by Simpson's rule over an even number of intervals (s). A unit of rope of the axial `stiffness`
 /// (N) carries the energy T^2 / (2 EA).

@@ -324,7 +324,11 @@ void System::measure_links(const World& world) {
     if (end.body != kNone) links[end.link].end += 1 / bodies_[end.body].mass;
   }
   length_ = scale_beside_bodies(world, length_);
-  velocity_time_ = velocity_time_of(length_);
+  double scale = length_;
+  for (const Part& part : bodies_) {  // of a body alone
+    if (!(length_ > 0)) scale = std::max(scale, std::sqrt(part.inertia.trace() / (2 * part.mass)));
+  }
+  velocity_time_ = velocity_time_of(scale);
   // Pins may leave links without length; a body alone has none.
   shortest_ = links.empty() ? 1 : length_;
   for (const Links::Link& link : links) {

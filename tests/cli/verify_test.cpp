@@ -1,0 +1,174 @@
+// taut verify, and the known answers of tests/answers: that they are what their programs compute,
+// that the methods give them, and that faults are seen.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut::verify_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kAnswers = TAUT_SOURCE_DIR "/tests/answers";
+
+/// answers.py with these words.
+ProgramResult compute(std::vector<std::string> words) {
+  words.insert(words.begin(), {"/usr/bin/python3", "-B", std::string(kAnswers) + "/answers.py"});
+  return Child(std::move(words), TAUT_SOURCE_DIR).wait();
+}
+
+/// A body that falls for a second, and what is known of it.
+constexpr const char* kScene = R"(# Free fall.
+duration = 1.0
+[bodies.ball]
+mass = 1.0
+shape = { sphere = { diameter = 0.1 } }
+position = [0, 0, 0]
+)";
+constexpr const char* kAnswer = "# known\ntime,quantity,value,tolerance\n1,ball.y,-4.905,1e-9\n";
+
+fs::path write_case(const Folder& folder, const std::string& scene, const std::string& answer) {
+  folder.write("case/scene.toml", scene);
+  folder.write("case/answer.csv", answer);
+  return folder.path() / "case";
+}
+
+TEST(Answers, AreWhatTheirProgramsCompute) {
+  const ProgramResult outcome = compute({"--check"});
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+}
+
+// By the method and by the truth, which shares neither equations of motion nor solvers with it.
+// What neither follows is named here.
+TEST(Answers, AreThoseOfTheMethodAndOfTheTruth) {
+  const ProgramResult outcome =
+      run_taut({"verify", kAnswers, "--methods", "direct,truth", "--json", "-q"});
+  EXPECT_EQ(outcome.code, 0) << run_taut({"verify", kAnswers, "--failures"}).output;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_GE(json.at("cases").size(), 80u);
+  EXPECT_EQ(json.at("not_run"), 0);
+  EXPECT_EQ(json.at("failures"), 0);
+}
+
+TEST(LongAnswers, AreRightAtOtherParameters) {
+  const Folder folder;
+  const ProgramResult outcome = compute({"--vary", folder.path()});
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  const ProgramResult verified = run_taut({"verify", folder.path(), "--failures", "-q"});
+  EXPECT_EQ(verified.code, 0) << verified.output;
+}
+
+// A program whose forces, contacts, materials or schemes were off by so much would be seen: the
+// scene has the fault, the answer does not.
+TEST(Answers, SeeFaultsOfOneInAHundred) {
+  struct Fault {
+    const char *of, *right, *wrong;
+  };
+  const Folder folder;
+  for (const Fault& fault : {
+           Fault{"pendulum", "title", "gravity = [0.0, -9.82, 0.0]\ntitle"},          // weight
+           Fault{"sliding_stick", "friction = 0.2", "friction = 0.202"},              // friction
+           Fault{"bouncing_ball", "restitution = 0.6", "restitution = 0.606"},        // impacts
+           Fault{"head_on", "restitution = 0.7", "restitution = 0.707"},              // of bodies
+           Fault{"spring_mass", "axial_stiffness = 20.0", "axial_stiffness = 20.2"},  // stretch
+           Fault{"damped_spring", "axial_damping = 0.5", "axial_damping = 0.505"},    // damping
+           Fault{"clamped_rod_swings", "bending_stiffness = 0.05", "bending_stiffness = 0.0505"},
+           Fault{"twisted_rod", "twisting_stiffness = 0.015", "twisting_stiffness = 0.01515"},
+           Fault{"pendulum_in_wind", "across = 1.1", "across = 1.111"},     // air
+           Fault{"atwood_friction", "friction = 0.2", "friction = 0.202"},  // pulleys
+           Fault{"winch_lift", "paid_out = -1.1", "paid_out = -1.111"},     // winches
+           Fault{"heavy_top", "diameter = 0.16", "diameter = 0.1616"},      // inertia
+           Fault{"chain_swing", "mass = 0.35", "mass = 0.3535"},            // masses
+       }) {
+    std::string scene = read_file(fs::path(kAnswers) / fault.of / "scene.toml");
+    const std::size_t at = scene.find(fault.right);
+    ASSERT_NE(at, std::string::npos) << fault.of << ": " << fault.right;
+    scene.replace(at, std::string(fault.right).size(), fault.wrong);
+    const fs::path made =
+        write_case(folder, scene, read_file(fs::path(kAnswers) / fault.of / "answer.csv"));
+    const ProgramResult outcome = run_taut({"verify", made, "-q"});
+    EXPECT_EQ(outcome.code, 1) << fault.of << "\n" << outcome.output << outcome.messages;
+  }
+  // A scheme that is not accurate enough.
+  EXPECT_EQ(
+      run_taut({"verify", std::string(kAnswers) + "/chain_swing", "--set", "step=0.01", "-q"}).code,
+      1);
+}
+
+TEST(Verify, TellsErrorToleranceVerdictAndCost) {
+  const Folder folder;
+  const fs::path made = write_case(folder, kScene, kAnswer);
+  const ProgramResult outcome =
+      run_taut({"verify", "case", "--csv", "all.csv", "--page", "all.html"}, folder.path());
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_NE(outcome.output.find("passes"), std::string::npos);
+  EXPECT_NE(outcome.output.find("1 pass, 0 fail, 0 not run"), std::string::npos);
+  EXPECT_EQ(read_file(folder.path() / "all.csv").find("case,method,t,quantity,answer"), 0u);
+  const std::string page = read_file(folder.path() / "all.html");
+  EXPECT_NE(page.find("Free fall."), std::string::npos);
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(run_taut({"verify", folder.path(), "-q"}).code, 0);  // the folder of cases
+}
+
+TEST(Verify, AWrongAnswerIsOne) {
+  const Folder folder;
+  const fs::path made =
+      write_case(folder, kScene, "time,quantity,value,tolerance\n1,ball.y,-4.9,1e-3\n");
+  const ProgramResult outcome = run_taut({"verify", made, "-q"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.output.find("fails"), std::string::npos);
+  EXPECT_NE(outcome.output.find("0.005"), std::string::npos) << outcome.output;
+}
+
+TEST(Verify, AMethodThatDoesNotFollowIsNotRun) {
+  const ProgramResult outcome =
+      run_taut({"verify", std::string(kAnswers) + "/atwood", "--methods", "xpbd", "-q"});
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_NE(outcome.output.find("does not follow"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("1 not run"), std::string::npos);
+}
+
+TEST(Verify, AFaultOfACaseHasItsPlace) {
+  const Folder folder;
+  const std::string columns = "time,quantity,value,tolerance\n";
+  for (const auto& [answer, told] : std::vector<std::pair<std::string, std::string>>{
+           {"t,y\n", "answer.csv:1: expected the columns time,quantity,value,tolerance"},
+           {columns + "1,ball.y,1\n", "answer.csv:2: 3 cells"},
+           {columns + "1,ball.y,1,1\n2,ball.y,1,1\n", "answer.csv:3: time: \"2\""},
+           {columns + "-1,ball.y,1,1\n", "answer.csv:2: time: \"-1\""},
+           {columns + "1,ball.y,nan,1\n", "answer.csv:2: value: \"nan\""},
+           {columns + "1,ball.y,1,0\n", "answer.csv:2: tolerance: \"0\""},
+           {columns + "1,ball.0.y,1,1\n", "answer.csv:2: quantity: the scene has no \"ball.0.y\""},
+           {columns + "1,,1,1\n", "answer.csv:2: quantity"},
+           {columns, "answer.csv: no rows"},
+           {"", "answer.csv: no rows"}}) {
+    const fs::path made = write_case(folder, kScene, answer);
+    const ProgramResult outcome = run_taut({"verify", made, "-q"});
+    EXPECT_EQ(outcome.code, 3) << answer;
+    EXPECT_NE(outcome.messages.find(told), std::string::npos) << outcome.messages;
+  }
+  EXPECT_EQ(run_taut({"verify", folder.path() / "none"}).code, 3);
+  write_case(folder, "duration = 1\nropes = 1\n", kAnswer);
+  EXPECT_EQ(run_taut({"verify", folder.path() / "case"}).code, 3);
+}
+
+TEST(Verify, MisuseIsTwo) {
+  const std::string pendulum = std::string(kAnswers) + "/pendulum";
+  for (const std::vector<std::string>& rest :
+       std::vector<std::vector<std::string>>{{"--methods", "directly"},
+                                             {"--set", "stiffness=1"},
+                                             {"--set", "tolerance=-1"},
+                                             {"--cap", "0"}}) {
+    std::vector<std::string> words{"verify", pendulum};
+    words.insert(words.end(), rest.begin(), rest.end());
+    const ProgramResult outcome = run_taut(words);
+    EXPECT_EQ(outcome.code, 2) << rest.back() << outcome.messages;
+    EXPECT_NE(outcome.messages, "");
+  }
+}
+
+}  // namespace
+}  // namespace taut::verify_test
