@@ -117,6 +117,7 @@ int run(const Options& options, const program::Common& common) {
   scenes::Scene scene = options::load_chosen(options.scene, format.stage, options.method);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = options::chosen_method(options.method, scene);
+  scenes::settle_breaks(scene);
   const std::string name = output_file(options, format);
   const bool to_output = program::to_standard_output(name);
   if (to_output && common.json) {

@@ -20,6 +20,7 @@
 #include "render/program/progress.h"
 #include "render/report/report_page.h"
 #include "render/study/scoring.h"
+#include "scenes/files/regular_file.h"
 #include "scenes/scene/scene.h"
 #include "sim/contact/capsule.h"
 #include "sim/evaluation/run.h"
@@ -40,7 +41,9 @@ struct Options {
   options::SceneOptions inputs;
   std::string scene;  // of the inputs, the one that is simulated now
   std::string csv, forces;
-  int fps = 0;  // 0: the scene's
+  std::string from_state, save_state;
+  double until = 0;  // s; 0: the scene's duration
+  int fps = 0;       // 0: the scene's
   bool no_estimate = false;
   double max_memory = 0;
   std::optional<double> score;  // share of the length
@@ -80,6 +83,7 @@ struct LargestForces {
 
 /// The measurements of a run; drift, stretch and penetration at frame times.
 struct Report {
+  int frames = 0;
   double stepping = 0;      // CPU s, in advance() alone
   double stretch = 0;       // largest share of a link's length
   double drift = 0;         // J, largest change of energy that no intervention explains
@@ -149,11 +153,69 @@ class Rows {
   bool to_output_;
 };
 
+/// Where the forces go: a file, or nowhere.
+class ForceFile {
+ public:
+  explicit ForceFile(const std::string& file) {
+    if (file.empty()) return;
+    file_.emplace(file);
+    rows_ = exporting::force_writer(file, [this](std::string_view text) { file_->write(text); });
+  }
+  bool wanted() const { return rows_ != nullptr; }
+  void add(const World& world, const Forces& forces, std::span<const Event> events) {
+    rows_->add(world, forces, events);
+  }
+  void finish() {
+    if (!rows_) return;
+    rows_->finish();
+    file_->commit();
+  }
+
+ private:
+  std::optional<render::AtomicFile> file_;
+  std::unique_ptr<exporting::ForceWriter> rows_;
+};
+
+/// The frames of a run: from the first after the state that it goes on from, until its end.
+struct Frames {
+  int first = 0, until = 0;
+};
+Frames frames_of(const scenes::Scene& scene, const Simulation& simulation, const Options& options) {
+  constexpr double kSame = 1e-6;  // of a frame
+  Frames frames{.until = scene.frames()};
+  if (options.until > 0) {
+    const double last = std::floor(options.until * scene.fps + kSame);
+    frames.until = std::min(frames.until, static_cast<int>(last) + 1);
+  }
+  if (!options.from_state.empty()) {
+    const double next = std::floor(simulation.world().time * scene.fps + kSame) + 1;
+    frames.first = static_cast<int>(std::min<double>(next, frames.until));
+  }
+  return frames;
+}
+
+/// Goes on from the state in a file.
+void load_state(const Options& options, Simulation& simulation) {
+  constexpr std::size_t kLargest = std::size_t{1} << 30;
+  const std::string bytes =
+      scenes::read_regular_file(options.from_state, kLargest, "a state that --save-state wrote");
+  try {
+    simulation.load(bytes);
+  } catch (const BadState& bad) {
+    throw scenes::bad_asset(options.from_state, bad.what());
+  }
+  if (options.until > 0 && options.until < simulation.world().time) {
+    throw program::Misuse(
+        fmt::format("--until {}: the state of {} is at {} s, expected a later time", options.until,
+                    options.from_state, simulation.world().time));
+  }
+}
+
 Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::SelfEstimate& estimate,
-                Rows& rows, Rows& force_rows, bool quiet) {
+                Rows& rows, ForceFile& force_file, const Options& options, bool quiet) {
   const World& world = simulation.world();
   study::EnergyBalance balance(scene.timeline);
-  const int frames = scene.frames();
+  const Frames frames = frames_of(scene, simulation, options);
   Report report;
   report.energy_scale = energy_scale(world);
   constexpr std::size_t kMostWindings = 100;
@@ -163,20 +225,19 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
     made.start = winding(world, made);
     report.windings.push_back(made);
   }
-  program::Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
+  report.frames = frames.until - frames.first;
+  program::Progress progress("simulating", "frames", static_cast<std::uint64_t>(report.frames),
+                             quiet);
   if (rows.wanted()) rows.write(header(scene, estimate.exists()));
-  if (force_rows.wanted()) {
-    force_rows.write(exporting::forces_header());
-    report.forces.emplace();
-  }
-  for (int frame = 0; frame < frames; ++frame) {
+  if (force_file.wanted()) report.forces.emplace();
+  for (int frame = frames.first; frame < frames.until; ++frame) {
     render::stop_if_interrupted();
     const double before = cpu_seconds();
     try {
       simulation.advance_to(static_cast<double>(frame) / scene.fps);
     } catch (const Diverged&) {
       rows.finish();  // those until then are worth having
-      force_rows.finish();
+      force_file.finish();
       throw;
     }
     report.stepping += cpu_seconds() - before;
@@ -193,12 +254,13 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
         ++report.forces->none;
       }
       report.forces->add(world, forces);
-      force_rows.write(exporting::forces_rows(world, forces, simulation.method().events()));
+      force_file.add(world, forces, simulation.method().events());
     }
-    progress.update(static_cast<std::uint64_t>(frame) + 1);
+    progress.update(static_cast<std::uint64_t>(frame - frames.first) + 1);
   }
+  if (options.until > simulation.world().time) simulation.advance_to(options.until);
   rows.finish();
-  force_rows.finish();
+  force_file.finish();
   for (Winding& made : report.windings) made.end = winding(world, made);
   return report;
 }
@@ -212,7 +274,7 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
   json["scene"] = scene.file.string();
   json["method"] = scene.method.name;
   json["settings"] = options::settings_json(with_defaults(scene.method));
-  json["frames"] = scene.frames();
+  json["frames"] = report.frames;
   json["stepping_ms_per_second"] =
       simulated > 0 ? nlohmann::ordered_json(1e3 * report.stepping / simulated) : nullptr;
   json["steps"] = counters.steps;
@@ -233,6 +295,12 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
                                   {"linking_number_at_start", winding.start},
                                   {"linking_number", winding.end}});
     }
+  }
+  for (const Simulation::Break& found : scene.breaks) {
+    json["breaks"].push_back({{"connector", found.connector},
+                              {"link", found.link},
+                              {"t", found.cut.time},
+                              {"tension_N", found.tension}});
   }
   if (report.forces) {
     const auto add = [&](const char* key, const LargestForces::Largest& largest) {
@@ -283,6 +351,22 @@ void refuse_wrong_forces(const Options& options) {
   if (file == options.csv) refuse("the trajectory's file (--csv), expected another");
 }
 
+void refuse_wrong_states(const Options& options, const scenes::Scene& scene) {
+  for (const auto& [option, file] : {std::pair("--save-state", options.save_state),
+                                     std::pair("--from-state", options.from_state)}) {
+    if (file.empty()) continue;
+    if (options.inputs.several()) {
+      throw program::Misuse(
+          fmt::format("{} {}: one file for several scenes, expected one scene", option, file));
+    }
+    if (options.score) throw program::Misuse(fmt::format("{}: does not go with --score", option));
+  }
+  if (options.until > scene.duration) {
+    throw program::Misuse(fmt::format("--until {}: expected at most the scene's duration, {} s",
+                                      options.until, scene.duration));
+  }
+}
+
 /// How far off the run is, in place of its trajectory.
 int score(const scenes::Scene& scene, const Options& options, const program::Common& common) {
   if (!options.csv.empty() || !options.forces.empty())
@@ -309,7 +393,9 @@ int run(const Options& options, const program::Common& common) {
   scenes::Scene scene = options::load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = options::chosen_method(options.method, scene);
+  scenes::settle_breaks(scene);
   refuse_wrong_forces(options);
+  refuse_wrong_states(options, scene);
   if (options.score) return score(scene, options, common);
   const bool to_output = options.csv == "-" || render::is_standard_output(options.csv);
   if (to_output && common.json) {
@@ -321,17 +407,25 @@ int run(const Options& options, const program::Common& common) {
   options::refuse_beyond(options::simulation_needs(scene), scene, options.max_memory,
                          csv.empty() ? "" : folder, "", common.quiet);
   Simulation simulation = start(scene);
-  studies::SelfEstimate estimate(scene, !options.no_estimate);
+  if (!options.from_state.empty()) load_state(options, simulation);
+  // A run beside this one would have to go all the way from the start.
+  studies::SelfEstimate estimate(scene, !options.no_estimate && options.from_state.empty());
   Rows rows(csv, to_output || !common.json);
-  Rows force_rows(options.forces, false);
-  const Report report = simulate(scene, simulation, estimate, rows, force_rows, common.quiet);
+  ForceFile force_file(options.forces);
+  const Report report =
+      simulate(scene, simulation, estimate, rows, force_file, options, common.quiet);
+  if (!options.save_state.empty()) {
+    render::AtomicFile state(options.save_state);
+    state.write(simulation.save());
+    state.commit();
+  }
   if (common.json) render::write_output(json_text(scene, simulation, report, estimate));
   if (report.forces && report.forces->none > 0 && !common.quiet) {
     program::note("{}: {} of {} frames have no rows: no forces satisfy the laws in their states\n",
-                  options.forces, report.forces->none, scene.frames());
+                  options.forces, report.forces->none, report.frames);
   }
   if (!csv.empty() && !common.quiet) {
-    program::note("{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name,
+    program::note("{}: {} frames, method {}\n{}", csv, report.frames, scene.method.name,
                   program::Lines{estimate.line()});
   }
   return program::kDone;
@@ -348,6 +442,8 @@ void add_simulate(CLI::App& app, program::Program& program) {
   taut simulate scenes/rope_swing.toml --csv swing.csv --json
   taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
   taut simulate scenes/rope_swing.toml --method xpbd --step 1e-4 --score 1e-4
+  taut simulate scenes/rope_swing.toml --until 1 --save-state swing.state > first.csv
+  taut simulate scenes/rope_swing.toml --from-state swing.state > rest.csv
 
 One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
 body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), the tension at the drum of
@@ -361,7 +457,8 @@ particle), size (N; of a clamp's moment N m). They are the forces that the scene
 state of the frame. Before them stand the events since the last frame, with their times, as the
 method tells them (direct: all; impulse and others: those of massless spans): taut and slack of
 spans and of links that only pull; hit, leave, slide and stick of contacts; impulse. Of a hit and an
-impulse, size is in N s. --json then has the largest forces.
+impulse, size is in N s. --json then has the largest forces. FILE.npz has the rows as arrays for
+numpy.load() (t, what, of, part, with, with_part, place, force, size), FILE.json as a list of objects.
 
 {}
 It is the last column, where the method has an estimate (inf once the run beside it diverges), and,
@@ -374,7 +471,16 @@ estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)"
                      "The trajectory into this file, of several scenes into this folder; - or, "
                      "without --json, nothing: to standard output");
   command.add_option("--forces", options->forces,
-                     "Tensions, forces of holds and contacts, and events into this CSV file");
+                     "Tensions, forces of holds and contacts, and events into this file, by its "
+                     "suffix: .npz for numpy, .json, else CSV");
+  command
+      .add_option("--until", options->until, "Ends at this time (s), not at the scene's duration")
+      .range(0, 1e9);
+  command.add_option("--save-state", options->save_state,
+                     "The state at the end into this file, for --from-state");
+  command.add_option("--from-state", options->from_state,
+                     "Goes on from the state in this file, with the frame after it; without an "
+                     "estimate of the error");
   command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
   options::add_method_options(command, options->method);
   command

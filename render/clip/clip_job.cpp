@@ -257,6 +257,7 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
   proof = proof_of(scene, options, fps);
   scene.fps = fps;
   scene.method = options::chosen_method(options.method, scene);
+  scenes::settle_breaks(scene);
   if (!options.method.planned) complete();
   options::tell_left_out(scene, common);
   if (options.output.preview) {

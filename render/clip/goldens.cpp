@@ -56,6 +56,7 @@ struct Goldens::Set {
     if (!scene.stage)
       throw scenes::BadScene(fmt::format("{}: {} has no [stage], so there is nothing to draw",
                                          frame.source, frame.scene.string()));
+    scenes::settle_breaks(scene, frame.method);
     scenes::complete_stage(scene, {}, render::stop_if_interrupted);
     return scene;
   }

@@ -1,9 +1,11 @@
 // Trajectories as tables: a row for each frame.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "render/export/frame_writer.h"
 #include "sim/run/forces.h"
@@ -21,13 +23,31 @@ std::unique_ptr<FrameWriter> csv_writer(const scenes::Scene& scene, WriteBytes w
 
 // Forces and events as a table: a row for each.
 
-/// t (s), what (tension, hold, moment, contact, or an event: taut, impulse, slack), of (the
-/// connector or body), part (a particle: 3, a link: 3-4, a span: 0), with (what holds or touches
-/// it), with_part, x y z (m), fx fy fz (N, on `of`; of a tension: on the first particle of its
-/// link; of a clamp's moment N m), size (N; of a moment N m, of an impulse N s).
-std::string forces_header();
+/// A file of rows: t (s), what (tension, hold, moment, contact, or an event: taut, impulse, slack),
+/// of (the connector or body), part (a particle: 3, a link: 3-4, a span: 0), with (what holds or
+/// touches it), with_part, x y z (m), fx fy fz (N, on `of`; of a tension: on the first particle of
+/// its link; of a clamp's moment N m), size (N; of a moment N m, of an impulse N s).
+class ForceWriter {
+ public:
+  virtual ~ForceWriter() = default;
+  /// The rows of the events before a state, and of its forces.
+  void add(const World& world, const Forces& forces, std::span<const Event> events);
+  virtual void finish() {}
 
-/// The rows of a state and of the events before it.
-std::string forces_rows(const World& world, const Forces& forces, std::span<const Event> events);
+ protected:
+  struct Row {
+    double time = 0;
+    std::string_view what;
+    Named of = {}, with = {};
+    std::optional<Vec3> place = {}, force = {};
+    std::optional<double> size = {};
+  };
+  virtual void add(const Row& row) = 0;
+};
+
+/// By the suffix of the file's name: .npz, arrays for numpy.load(), t, what, of, part, with and
+/// with_part (rows), place and force (rows, 3), size (rows), NaN where there is none; .json, a list
+/// of objects with the columns as keys, null where there is none; else CSV.
+std::unique_ptr<ForceWriter> force_writer(std::string_view file, WriteBytes write);
 
 }  // namespace taut::exporting

@@ -66,20 +66,6 @@ struct Array {
   void add(const Vec3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
 };
 
-/// The head of an .npy file, a multiple of 64 bytes.
-std::string npy_header(const Array& array, std::size_t rows) {
-  std::string shape = fmt::format("{},", rows);
-  for (const std::size_t size : array.row) shape += fmt::format(" {},", size);
-  if (!array.row.empty()) shape.pop_back();
-  std::string text =
-      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}), }}", shape);
-  constexpr std::size_t kBefore = 10;
-  text.append(63 - (kBefore + text.size()) % 64, ' ');
-  text += '\n';
-  return "\x93NUMPY" + little_endian(std::uint8_t(1), std::uint8_t(0), std::uint16_t(text.size())) +
-         text;
-}
-
 class NpzWriter final : public FrameWriter {
  public:
   NpzWriter(const scenes::Scene& scene, WriteBytes write) : zip_(std::move(write)) {
@@ -114,9 +100,12 @@ class NpzWriter final : public FrameWriter {
   }
 
   void finish() override {
-    for (const Array& array : arrays_)
+    for (const Array& array : arrays_) {
+      std::vector<std::size_t> shape = {rows_};
+      shape.insert(shape.end(), array.row.begin(), array.row.end());
       zip_.add(array.name + ".npy",
-               {npy_header(array, rows_), bytes_of(std::span<const double>(array.numbers))});
+               {npy_header("<f8", shape), bytes_of(std::span<const double>(array.numbers))});
+    }
     zip_.finish();
   }
 
@@ -127,6 +116,16 @@ class NpzWriter final : public FrameWriter {
 };
 
 }  // namespace
+
+std::string npy_header(std::string_view type, const std::vector<std::size_t>& shape) {
+  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}",
+                                 type, fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+  constexpr std::size_t kBefore = 10;
+  text.append(63 - (kBefore + text.size()) % 64, ' ');
+  text += '\n';
+  return "\x93NUMPY" + little_endian(std::uint8_t(1), std::uint8_t(0), std::uint16_t(text.size())) +
+         text;
+}
 
 std::unique_ptr<FrameWriter> npz_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<NpzWriter>(scene, std::move(write));

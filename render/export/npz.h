@@ -58,4 +58,8 @@ std::string_view bytes_of(std::span<const Number> numbers) {
 /// (frames, 4), quaternions w, x, y, z.
 std::unique_ptr<FrameWriter> npz_writer(const scenes::Scene& scene, WriteBytes write);
 
+/// The head of an .npy file, a multiple of 64 bytes: the type of its elements, as numpy writes it,
+/// and its shape.
+std::string npy_header(std::string_view type, const std::vector<std::size_t>& shape);
+
 }  // namespace taut::exporting

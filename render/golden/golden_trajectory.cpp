@@ -109,7 +109,8 @@ std::string changes_since(const TrajectoryRecord& today, const TrajectoryRecord&
 }  // namespace
 
 TrajectoryRecord record_of(const scenes::GoldenTrajectory& trajectory) {
-  const scenes::Scene scene = scenes::load_scene(trajectory.scene, false);
+  scenes::Scene scene = scenes::load_scene(trajectory.scene, false);
+  scenes::settle_breaks(scene, trajectory.method);
   Simulation simulation = scenes::start(scene, trajectory.method);
   TrajectoryRecord record;
   record.made_from = sources(scene, trajectory.method);

@@ -173,6 +173,7 @@ scenes::Scene study_scene(const StudyOptions& options,
   if (scene.world.connectors.empty()) {
     throw program::Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
+  scenes::settle_breaks(scene);
   const auto refusal = find_refusal({options.features}, scene.world, &scene.timeline);
   if (!refusal) return scene;
   const Feature feature = refusal->one.feature;

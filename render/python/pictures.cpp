@@ -60,6 +60,7 @@ class RendererObject {
   RendererObject(const SceneObject& object, const PictureOptions& options) {
     const py::gil_scoped_release unlocked;
     scenes::Scene staged = scenes::load_scene(object.scene.file, true, object.changes);
+    scenes::settle_breaks(staged);
     renderer_.reset(new Renderer(std::move(staged), object.changes, options, look_for_signals));
   }
 

@@ -67,9 +67,14 @@ std::unique_ptr<SceneObject> load(const std::filesystem::path& file, const py::d
 std::shared_ptr<SimulationObject> start_simulation(const SceneObject& object,
                                                    const std::string& method,
                                                    const py::kwargs& settings) {
-  const scenes::Scene& scene = object.scene;
-  return std::make_shared<SimulationObject>(
-      scene.world, chosen_method(scene, method, settings_of(settings)), scene.timeline, scene.fps);
+  scenes::Scene scene = object.scene;
+  scene.method = chosen_method(scene, method, settings_of(settings));
+  made_method(scene.world, scene.method);  // or it throws
+  {
+    const py::gil_scoped_release unlocked;
+    scenes::settle_breaks(scene);
+  }
+  return std::make_shared<SimulationObject>(scene.world, scene.method, scene.timeline, scene.fps);
 }
 
 /// Frames of a scene, and memory for them.
@@ -111,8 +116,14 @@ struct Trajectory {
 
 Trajectory simulate(const SceneObject& object, const std::string& method,
                     const py::kwargs& settings) {
-  const scenes::Scene& scene = object.scene;
+  scenes::Scene scene = object.scene;
   const MethodChoice choice = chosen_method(scene, method, settings_of(settings));
+  scene.method = choice;
+  made_method(scene.world, choice);  // or it throws
+  {
+    const py::gil_scoped_release unlocked;
+    scenes::settle_breaks(scene);
+  }
   Simulation simulation(scene.world, made_method(scene.world, choice), scene.timeline);
   Trajectory made(scene, choice.name);
   double* times = made.times.mutable_data();

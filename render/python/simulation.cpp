@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,8 +10,10 @@
 #include <map>
 #include <stdexcept>
 
+#include "render/base/atomic_file.h"
 #include "render/python/errors.h"
 #include "render/python/world.h"
+#include "scenes/files/regular_file.h"
 #include "sim/measure/measure.h"
 #include "sim/run/forces.h"
 
@@ -39,6 +42,8 @@ SimulationObject::SimulationObject(const World& world, MethodChoice method, Time
       happens_(times_of(timeline)),
       simulation_(world, made_method(world, method_), std::move(timeline)) {
   step_ = step_of(method_.settings);
+  may_break_ = std::ranges::any_of(
+      world.connectors, [](const Connector& one) { return std::isfinite(one.breaks_at); });
 }
 
 double SimulationObject::next_stop(double until) {
@@ -56,7 +61,7 @@ double SimulationObject::next_stop(double until) {
 void SimulationObject::detach_before(double until) {
   const std::size_t before = happened_;
   while (happened_ < happens_.size() && happens_[happened_] <= until) ++happened_;
-  if (happened_ > before) windows_.detach();
+  if (happened_ > before || may_break_) windows_.detach();
 }
 
 void SimulationObject::advance(double until) {
@@ -122,6 +127,30 @@ std::string SimulationObject::cut(const std::string& connector, double along) {
   const Divided divided = simulation_.interventions().cut(simulation_.world(), index, along);
   refuse_unless_done("cut", divided.outcome);
   return world().connectors[divided.connector].name;
+}
+
+void SimulationObject::save(const std::filesystem::path& file) const {
+  const std::string bytes = simulation().save();
+  render::AtomicFile out(file);
+  out.write(bytes);
+  out.commit();
+}
+
+void SimulationObject::load(const std::filesystem::path& file) {
+  constexpr std::size_t kLargest = std::size_t{1} << 30;
+  const std::string bytes = scenes::read_regular_file(file, kLargest, "a state that save() wrote");
+  refuse_if_taken(taken_);
+  windows_.detach();
+  try {
+    simulation_.load(bytes);
+  } catch (const BadState& bad) {
+    throw scenes::bad_asset(file, bad.what());
+  }
+  happened_ = 0;
+  while (happened_ < happens_.size() && happens_[happened_] <= simulation_.world().time) {
+    ++happened_;
+  }
+  events_.clear();
 }
 
 std::vector<Vec3>& SimulationObject::particles(const std::string& connector,
@@ -245,6 +274,15 @@ way, as the commands of taut do: the same frames have the same bits. Python's lo
 meanwhile, and Ctrl-C ends it between two steps or frames. It also ends a step of more than half a second; the
 simulation cannot continue after that. Raises DivergedError, InterventionError,
 and ArgumentError where `until` has passed.)")
+      .def("save", &Sim::save, "file"_a,
+           R"(Writes the present state into a file. `taut simulate` reads it, too.
+
+Raises Error where the file cannot be written, or a pin is on a path that came later.)")
+      .def("load", &Sim::load, "file"_a,
+           R"(Goes on from a state that a simulation of the same world or scene saved.
+
+By whatever method, which begins anew: one with a step and without friction goes on to the bit.
+Raises AssetError: not there, damaged, or of another world.)")
       .def(
           "pin",
           [](Sim& sim, const std::string& connector, double along, const py::object& point,
@@ -280,8 +318,8 @@ path, in its frame. over: s in which it is drawn there. Raises InterventionError
           "positions", &Sim::positions, "connector"_a,
           R"(The particles as an array (n, 3) of m: memory of the simulation, read-only, not a copy.
 
-It shows the present state until a pin, release or cut (a scene's own included) changes the
-particles; from then on it keeps what it showed last, and positions() gives another one. It keeps
+It shows the present state until a pin, release, cut or load (a scene's own included) changes the
+particles, or where connectors may break until the next advance; from then on it keeps what it showed last, and positions() gives another one. It keeps
 the simulation's memory alive. A body that is simulated as a link is a particle more.)")
       .def("velocities", &Sim::velocities, "connector"_a,
            "Their velocities, (n, 3) m/s, in the same way.")
@@ -299,8 +337,8 @@ of the other and force (3,). Raises Diverged where no forces satisfy the laws.)"
       .def_property_readonly("events", &events,
                              R"(What happened in the last advance(), in order of time.
 
-A list of dicts: kind (taut, impulse, slack; of contacts hit, impulse, leave, slide, stick), time
-(s), size (N s, of a hit or an impulse, else 0), of (name, part) and, of contacts, other (name, part)
+A list of dicts: kind (taut, impulse, slack, break; of contacts hit, impulse, leave, slide, stick), time
+(s), size (N s, of a hit or an impulse, N of a break, else 0), of (name, part) and, of contacts, other (name, part)
 and place (3,) in m.)")
       .def_property_readonly(
           "time", [](const Sim& sim) { return sim.world().time; }, "s")

@@ -1,6 +1,7 @@
 // Simulations as Python steps them.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "render/python/convert.h"
@@ -26,6 +27,10 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   void release(std::uint64_t pin);
   /// The name of the part that is new.
   std::string cut(const std::string& connector, double along);
+
+  /// The state, into and from a file.
+  void save(const std::filesystem::path& file) const;
+  void load(const std::filesystem::path& file);
 
   py::array positions(const std::string& connector);
   py::array velocities(const std::string& connector);
@@ -54,6 +59,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   double fps_, step_ = 0;        // s; 0: the method's own
   double stride_ = 1;            // steps from one look for signals to the next
   bool timed_ = false;           // it has pins or cuts that were known beforehand
+  bool may_break_ = false;       // some connector
   std::vector<double> happens_;  // s, rising, of these
   std::size_t happened_ = 0;
   Simulation simulation_;

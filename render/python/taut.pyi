@@ -2,7 +2,8 @@
 # The module's docstrings say more: help(taut).
 
 import os
-from typing import Any, Mapping, Union
+from math import inf
+from typing import Any, Callable, Mapping, Sequence, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -55,11 +56,30 @@ class World:
         self,
         name: str,
         positions: ArrayLike,
-        mass: float,
+        mass: float | None = None,
         *,
         velocities: ArrayLike | None = None,
         restitution: float = 0.0,
         model: str = "links",
+        links: str = "rigid",
+        radius: float = 0.0,
+        contact: str = "beads",
+        touches_itself: bool = False,
+        friction: float = 0.0,
+        static_friction: float | None = None,
+        breaks_at: float = inf,
+        diameter: float | None = None,
+        axial_stiffness: float | None = None,
+        axial_damping: float = 0.0,
+        bending_stiffness: float | None = None,
+        bending_damping: float = 0.0,
+        rest_curvature: ArrayLike = (0.0, 0.0, 0.0),
+        twisting_stiffness: float | None = None,
+        twisting_damping: float = 0.0,
+        rest_twist: float = 0.0,
+        taper: ArrayLike | None = None,
+        material: Mapping[str, float] = {},
+        drag: Mapping[str, float] = {},
     ) -> None: ...
     def add_body(
         self,
@@ -75,7 +95,53 @@ class World:
         spin: ArrayLike = (0.0, 0.0, 0.0),
         path: Path | None = None,
         grip: ArrayLike = (0.0, 0.0, 0.0),
+        contact: Mapping[str, Any] | None = None,
     ) -> None: ...
+    def add_obstacle(
+        self,
+        name: str,
+        *,
+        plane: bool = False,
+        sphere: float | None = None,
+        capsule: ArrayLike | None = None,
+        cylinder: ArrayLike | None = None,
+        box: ArrayLike | None = None,
+        rounding: float = 0.0,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        path: Path | None = None,
+        friction: float = 0.0,
+        static_friction: float | None = None,
+        restitution: float = 0.0,
+        ignores: Sequence[str] = [],
+    ) -> None: ...
+    def add_touching(
+        self,
+        *,
+        bodies: Sequence[str] = [],
+        connectors: Sequence[str] = [],
+        friction: float = 0.0,
+        static_friction: float | None = None,
+        restitution: float = 0.0,
+    ) -> None: ...
+    def join(self, connector: str, particle: int, other: str, other_particle: int) -> None: ...
+    def add_winch(
+        self, connector: str, *, first: ArrayLike | None = None, last: ArrayLike | None = None
+    ) -> None: ...
+    def add_pulley(
+        self,
+        name: str,
+        from_connector: str,
+        to_connector: str,
+        *,
+        inertia: float = 0.0,
+        friction: float = 0.0,
+        bearing: float = 0.0,
+    ) -> None: ...
+    def set_air(
+        self, density: float = 1.225, *, wind: ArrayLike = (0.0, 0.0, 0.0), gusts: Path | None = None
+    ) -> None: ...
+    def add_force(self, connector: str, force: Callable[[float, Array, Array], ArrayLike]) -> None: ...
     def add_mass(self, connector: str, particle: int, mass: float) -> None: ...
     def hold(
         self,
@@ -85,17 +151,25 @@ class World:
         point: ArrayLike | None = None,
         body: str | None = None,
         path: Path | None = None,
+        clamp: ArrayLike | None = None,
+        turn: ArrayLike | None = None,
     ) -> None: ...
     def positions(self, connector: str) -> Array: ...
     def velocities(self, connector: str) -> Array: ...
     @property
     def connectors(self) -> list[str]: ...
     @property
+    def obstacles(self) -> list[str]: ...
+    @property
+    def pulleys(self) -> list[str]: ...
+    @property
     def bodies(self) -> list[str]: ...
 
 class Simulation:
     def __init__(self, world: World, method: str = "direct", *, fps: float = 60.0, **settings: Setting) -> None: ...
     def advance(self, until: float) -> None: ...
+    def save(self, file: File) -> None: ...
+    def load(self, file: File) -> None: ...
     def pin(
         self,
         connector: str,

@@ -272,6 +272,11 @@ std::vector<KeyFormat> cord_keys() {
       not_negative("bending_damping", "Moment per rate of curvature.", "N m^2 s"),
       table("material", "Gives mass, EA, EI and GJ of a solid round rod instead.",
             material_format()),
+      positive(
+          "breaks_at",
+          "Tension at which it breaks: it is cut in the middle of the first link whose tension "
+          "is above; default: never.",
+          "N"),
       table("drag", "Coefficients of the air's drag on it, of its diameter.", drag_format())};
 }
 

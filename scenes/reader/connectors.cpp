@@ -12,6 +12,7 @@
 #include "scenes/reader/joints.h"
 #include "scenes/reader/reader.h"
 #include "scenes/scene/scene.h"
+#include "sim/material/sections.h"
 #include "sim/motion/rotation.h"
 #include "sim/world/hanging.h"
 #include "sim/world/places.h"
@@ -678,32 +679,14 @@ void push_out_starts(const Document& document, World& world) {
 
 namespace {
 
-constexpr double kAirDensity = 1.225;   // kg/m^3, at sea level and 15 degrees
-constexpr double kPoissonsRatio = 0.3;  // of most metals; rubber has nearly 0.5
+constexpr double kAirDensity = 1.225;  // kg/m^3, at sea level and 15 degrees
 
-double area(double diameter) {
-  return std::numbers::pi * diameter * diameter / 4;
-}
-
-/// The share of its diameter that a connector has at the middle of a link.
-double taper_at(const Value* taper, double share) {
-  if (!taper) return 1;
-  const double place = share * static_cast<double>(taper->children.size() - 1);
-  const std::size_t before = std::min(static_cast<std::size_t>(place), taper->children.size() - 2);
-  const double ahead = place - static_cast<double>(before);
-  return (1 - ahead) * taper->children[before].number + ahead * taper->children[before + 1].number;
-}
-
-/// Half of each link's mass at either end; links are as heavy as `weight` says, together as before.
-void weigh_by_links(const std::vector<double>& weight, Connector& connector) {
-  double sum = 0;
-  for (const double link : weight) sum += link;
-  std::ranges::fill(connector.particle_mass, 0.0);
-  for (std::size_t k = 0; k < weight.size(); ++k) {
-    const double half = connector.mass * weight[k] / sum / 2;
-    connector.particle_mass[k] += half;
-    connector.particle_mass[k + 1] += half;
-  }
+material::RoundRod rod_of(const Value& material) {
+  material::RoundRod rod{.youngs_modulus = material.find("youngs_modulus")->number,
+                         .diameter = material.find("diameter")->number,
+                         .density = material.find("density")->number};
+  rod.poissons_ratio = number_or(material, "poissons_ratio", rod.poissons_ratio);
+  return rod;
 }
 
 void check(const Document& document, const Value& value, const Connector& connector,
@@ -763,8 +746,7 @@ void check_turn(const Document& document, const Value& connector, const Value& t
 
 double mass_of(const Value& connector, double length) {
   const Value* material = connector.find("material");
-  if (!material) return connector.find("mass")->number;
-  return material->find("density")->number * area(material->find("diameter")->number) * length;
+  return material ? rod_of(*material).mass(length) : connector.find("mass")->number;
 }
 
 void read_cord(const Document& document, const Value& value, Connector& connector) {
@@ -772,6 +754,15 @@ void read_cord(const Document& document, const Value& value, Connector& connecto
   connector.radius =
       number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
   connector.links_touch = text_or(value, "contact", "beads") == "links";
+  if (const Value* limit = value.find("breaks_at")) {
+    const auto has_winch = [&](const char* end) {
+      return value.find(end) && value.find(end)->find("winch");
+    };
+    if (value.find("over") || has_winch("from") || has_winch("to")) {
+      document.fail_at_key(*limit, "needs a connector without winch and pulley: those are not cut");
+    }
+    connector.breaks_at = limit->number;
+  }
   const Value* taper = value.find("taper");
   const Value* first = nullptr;
   for (const std::string_view key :
@@ -792,7 +783,7 @@ void read_cord(const Document& document, const Value& value, Connector& connecto
     if (const Value* turn = held->find("turn")) check_turn(document, value, *turn);
   }
   // The particle where a loop closes is as heavy as the others.
-  if (is_loop(value)) weigh_by_links(std::vector<double>(connector.links(), 1.0), connector);
+  if (is_loop(value)) weigh_by_links(connector);
   if (!first) return;
   check(document, value, connector, *first);
   Section section;
@@ -805,31 +796,14 @@ void read_cord(const Document& document, const Value& value, Connector& connecto
   section.twisting_damping = number_or(value, "twisting_damping", 0);
   section.rest_twist = number_or(value, "rest_twist", 0);
   section.diameter = 2 * connector.radius;
-  if (const Value* material = value.find("material")) {
-    const double modulus = material->find("youngs_modulus")->number;
-    section.diameter = material->find("diameter")->number;
-    section.axial_stiffness = modulus * area(section.diameter);
-    section.bending_stiffness =
-        section.axial_stiffness * section.diameter * section.diameter / 16;  // pi d^4 / 64
-    section.twisting_stiffness =  // E / 2 (1 + nu) times twice the area's second moment
-        section.bending_stiffness / (1 + number_or(*material, "poissons_ratio", kPoissonsRatio));
+  const Value* material = value.find("material");
+  if (material) section = rod_of(*material).section(section);
+  std::vector<double> diameters;
+  if (taper) {
+    for (const Value& share : taper->children) diameters.push_back(share.number);
   }
-  connector.sections.assign(connector.links(), section);
-  std::vector<double> weight;
-  for (std::size_t k = 0; k < connector.links(); ++k) {
-    const double middle = (static_cast<double>(k) + 0.5) / static_cast<double>(connector.links());
-    const double thick = taper_at(taper, middle), squared = thick * thick;
-    Section& own = connector.sections[k];
-    own.axial_stiffness *= squared;
-    own.axial_damping *= squared;
-    own.bending_stiffness *= squared * squared;
-    own.bending_damping *= squared * squared;
-    own.twisting_stiffness *= squared * squared;
-    own.twisting_damping *= squared * squared;
-    own.diameter *= thick;
-    weight.push_back(squared * (connector.rest[k] / connector.rest[0]));
-  }
-  if (taper || value.find("material")) weigh_by_links(weight, connector);
+  material::give_sections(connector, section, diameters);
+  if (taper || material) material::weigh_by_links(connector, diameters);
   if (const Value* drag = value.find("drag")) {
     connector.drag = {number_or(*drag, "across", 0), number_or(*drag, "along", 0)};
   }

@@ -46,8 +46,9 @@ struct Scene {
   int fps = 60;
   int width = 1920, height = 1080;
   MethodChoice method;
-  World world;        // finished, at time 0
-  Timeline timeline;  // pins and cuts, in the order of the file
+  World world;                            // finished, at time 0
+  Timeline timeline;                      // pins and cuts, in the order of the file
+  std::vector<Simulation::Break> breaks;  // what settle_breaks() has made cuts of
   std::optional<Plan> plan;
   std::string strange_plan;  // why the file's plan cannot be read; empty: it can, or there is none
   std::optional<Stage> stage;
@@ -65,6 +66,13 @@ int frame_count(double duration, int fps);
 Simulation start(const Scene& scene);
 /// The same by another method.
 Simulation start(const Scene& scene, const MethodChoice& method);
+
+/// Simulates a scene whose connectors may break (Connector::breaks_at) by its method, and makes
+/// cuts of its timeline where they do: then each part is a connector from the first frame to the
+/// last. Another scene stays as it is. The run ends where the method diverges.
+void settle_breaks(Scene& scene);
+/// The same by another method.
+void settle_breaks(Scene& scene, const MethodChoice& method);
 
 /// A value to read in place of the one in the file: its dotted key, and the value as TOML writes
 /// it.

@@ -23,6 +23,7 @@ constexpr std::array<std::string_view, kFeatureCount> kNames{
     "turning clamps",
     "clamps on free bodies",
     "materials that hold free bodies",
+    "applied forces",
     "strings",
     "obstacles",
     "moving obstacles",
@@ -82,6 +83,7 @@ void connector_uses(const World& world, std::size_t index, auto&& visit) {
     if (!hold.clamp.isZero(0)) own |= free ? Feature::clamp_on_body : Feature::clamp;
     if (hold.turn) own |= Feature::turning_clamp;
   }
+  if (connector.applied_force) own |= Feature::applied_force;
   if (connector.pulls) own |= Feature::strings;
   if (connector.links_touch && !world.obstacles.empty()) own |= Feature::links_touch;
   if (connector.model == ConnectorModel::span) own |= Feature::span;

@@ -29,6 +29,7 @@ enum class Feature : std::uint8_t {
   turning_clamp,     // Hold::turn
   clamp_on_body,     // at a free body
   material_on_body,  // a connector with sections holds a free body
+  applied_force,     // Connector::applied_force
   strings,           // links that only pull (Connector::pulls)
   // Contact (sim/contact)
   obstacle,
@@ -56,7 +57,7 @@ enum class Feature : std::uint8_t {
   pin,
   cut,
 };
-inline constexpr std::size_t kFeatureCount = 34;
+inline constexpr std::size_t kFeatureCount = 35;
 
 /// A set of features.
 class Features {

@@ -383,6 +383,14 @@ void add_mark(std::string& name, std::size_t k) {
 
 }  // namespace
 
+void Interventions::follow_parts(std::vector<std::size_t> originals) {
+  original_ = std::move(originals);
+  cut_off_.assign(original_.size(), 0);
+  for (std::size_t c = 0; c < original_.size(); ++c) {
+    if (original_[c] != c) ++cut_off_[original_[c]];
+  }
+}
+
 /// Why the connector cannot be cut at the place, `along` (m) it.
 Outcome Interventions::why_not_cut(const World& world, std::size_t index, double along,
                                    const Place& place) {
@@ -515,6 +523,8 @@ void Interventions::divide(World& world, std::size_t index, double along, std::s
   second.category = first.category;
   second.links_touch = first.links_touch;
   second.drag = first.drag;
+  second.applied_force = first.applied_force;
+  second.breaks_at = first.breaks_at;
   if (!first.sections.empty()) move_tail(first.sections, second.sections, at);
   move_tail(first.position, second.position, at);
   move_tail(first.velocity, second.velocity, at);

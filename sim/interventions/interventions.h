@@ -96,6 +96,10 @@ class Interventions {
   /// take more than tens of megabytes. They work without room, too. A copy of the world has none.
   void reserve(World& world, std::size_t pins, std::size_t cuts);
 
+  /// Goes on with a world that has been cut already: for each connector, the one of the start that
+  /// it is a part of.
+  void follow_parts(std::vector<std::size_t> originals);
+
   /// Holds the connector at `along` (m), and what is joined to it there. A particle is added where
   /// none is: it takes its part of the link's length and no mass, since a held particle's never
   /// acts; so that the others keep theirs, and their momentum. The particle is at its new place at

@@ -174,7 +174,15 @@ void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
 
 void MaterialForces::rebuild(const World& world, std::size_t room,
                              std::span<const std::uint32_t> leaders) {
-  any_ = has_materials(world);
+  applied_.clear();
+  time_ = world.time;
+  std::uint32_t point = 0;
+  for (const Connector& connector : world.connectors) {
+    const auto particles = static_cast<std::uint32_t>(connector.particles());
+    if (connector.applied_force) applied_.push_back({point, particles, connector.applied_force});
+    point += particles;
+  }
+  any_ = has_materials(world) || has_applied();
   stretches_.clear();
   bends_.clear();
   drags_.clear();
@@ -242,7 +250,7 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
 
 /// Lets elements end at the points that stand for theirs.
 void MaterialForces::name_leaders(std::span<const std::uint32_t> leaders) {
-  if (!twists_.empty()) leaders_.assign(leaders.begin(), leaders.end());
+  if (!twists_.empty() || has_applied()) leaders_.assign(leaders.begin(), leaders.end());
   const auto change = [&](std::uint32_t& point) { point = leaders[point]; };
   for (StretchElement& link : stretches_) {
     change(link.a);
@@ -260,6 +268,7 @@ void MaterialForces::name_leaders(std::span<const std::uint32_t> leaders) {
 }
 
 void MaterialForces::place(const World& world, double time) {
+  time_ = time;
   if (world.air.gusts) wind_ = world.air.wind_at(time);
   for (Clamp& clamp : clamps_) {
     const Hold& hold = world.connectors[clamp.connector].holds[clamp.hold];
@@ -313,6 +322,26 @@ void MaterialForces::add(const double* positions, const double* velocities,
   add_bends(positions, velocities, force);
   add_drag(positions, velocities, force);
   add_twists(positions, velocities, force);
+  add_applied(positions, velocities, force);
+}
+
+/// Joined particles stand where their leaders do, which get the force.
+void MaterialForces::add_applied(const double* positions, const double* velocities,
+                                 std::vector<Vec3>& force) const {
+  for (const Applied& applied : applied_) {
+    at_.resize(applied.particles);
+    moving_.resize(applied.particles);
+    pushed_.assign(applied.particles, Vec3::Zero());
+    const auto leader = [&](std::uint32_t i) {
+      return leaders_.empty() ? applied.first + i : leaders_[applied.first + i];
+    };
+    for (std::uint32_t i = 0; i < applied.particles; ++i) {
+      at_[i] = point(positions, leader(i));
+      moving_[i] = point(velocities, leader(i));
+    }
+    (*applied.force)(time_, at_, moving_, pushed_);
+    for (std::uint32_t i = 0; i < applied.particles; ++i) force[leader(i)] += pushed_[i];
+  }
 }
 
 void MaterialForces::slope(const BendElement& bend, const double* positions,

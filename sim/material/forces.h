@@ -132,11 +132,14 @@ class MaterialForces {
   void add(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   /// The half of the air's force on a link that acts at either end, N.
   Vec3 drag(const DragElement& link, const double* positions, const double* velocities) const;
-  /// Add the forces of bends, of the air and of twist alone.
+  /// Add the forces of bends, of the air and of twist alone, and applied forces alone.
   void add_bends(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   void add_drag(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   void add_twists(const double* positions, const double* velocities,
                   std::vector<Vec3>& force) const;
+  void add_applied(const double* positions, const double* velocities,
+                   std::vector<Vec3>& force) const;
+  bool has_applied() const { return !applied_.empty(); }
 
   /// The moment (N m) of a clamp on its rope, by bending and twist.
   struct ClampMoment {
@@ -197,6 +200,14 @@ class MaterialForces {
   template <class Visit>
   void each_slope(const TwistElement& rod, const double* positions, Visit visit) const;
 
+  /// The applied force of a connector whose first particle is the point `first`.
+  struct Applied {
+    std::uint32_t first = 0, particles = 0;
+    std::shared_ptr<const AppliedForce> force;
+  };
+  std::vector<Applied> applied_;
+  double time_ = 0;                                 // s, of place()
+  mutable std::vector<Vec3> at_, moving_, pushed_;  // of one connector, in add_applied()
   bool any_ = false;
   Vec3 wind_ = Vec3::Zero();
   std::vector<StretchElement> stretches_;

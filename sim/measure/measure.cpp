@@ -93,7 +93,8 @@ bool dissipates(const World& world) {
   if (std::ranges::any_of(world.pulleys, &Pulley::has_friction)) return true;
   return std::ranges::any_of(world.connectors, [&](const Connector& connector) {
     const bool drags = connector.drag.across > 0 || connector.drag.along > 0;
-    return (world.air.density > 0 && drags && !connector.sections.empty()) ||
+    return connector.applied_force != nullptr ||
+           (world.air.density > 0 && drags && !connector.sections.empty()) ||
            std::ranges::any_of(connector.sections, [](const Section& section) {
              return section.axial_damping > 0 || section.bending_damping > 0 ||
                     section.twisting_damping > 0;

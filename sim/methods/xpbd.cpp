@@ -86,9 +86,11 @@ void XpbdMaterial::rebuild(const Mechanism& mechanism) {
 }
 
 void XpbdMaterial::blow(const Mechanism& mechanism, double dt, std::vector<double>& state) {
-  if (mechanism.material().drags().empty()) return;
+  const material::MaterialForces& material = mechanism.material();
+  if (material.drags().empty() && !material.has_applied()) return;
   std::ranges::fill(force_, Vec3::Zero());
-  mechanism.material().add_drag(state.data(), &state[mechanism.velocity(0)], force_);
+  material.add_drag(state.data(), &state[mechanism.velocity(0)], force_);
+  material.add_applied(state.data(), &state[mechanism.velocity(0)], force_);
   for (std::size_t p = 0; p < mechanism.points(); ++p) {
     Eigen::Map<Vec3> velocity(&state[mechanism.velocity(p)]);
     velocity += dt * mechanism.inverse_mass()[p] * force_[p];

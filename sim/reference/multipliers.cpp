@@ -26,7 +26,8 @@ constexpr double kTolerance = 1e5;   // of `direct` where it stands in, over the
 const Abilities& own_abilities() {
   static const Abilities own{
       Features::all() - Feature::joint_in_flow - kConnectorContact -
-          Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body},
+          Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body,
+                   Feature::applied_force},
       {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
        {kReelFeatures, kContactFeatures | Feature::strings},
        {kReelFeatures,

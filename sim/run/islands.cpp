@@ -28,7 +28,7 @@ bool on_free_body(const World& world, const Attachment& to) {
 }
 
 /// The sets of tied members: first connectors, then bodies.
-Sets tied(const World& world, const Timeline& timeline) {
+Sets tied(const World& world, const Timeline& timeline, std::span<const std::size_t> wholes) {
   const std::size_t bodies = world.connectors.size();  // where they begin
   Sets sets(bodies + world.bodies.size());
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
@@ -41,6 +41,7 @@ Sets tied(const World& world, const Timeline& timeline) {
       sets.join(joint.particles[0].connector, at.connector);
     }
   }
+  for (std::size_t c = 0; c < wholes.size(); ++c) sets.join(c, wholes[c]);
   for (const Pulley& pulley : world.pulleys) sets.join(pulley.from, pulley.to);
   for (const BodyPair& pair : world.pairs) sets.join(bodies + pair.a, bodies + pair.b);
   for (const BeadPair& pair : world.bead_pairs) sets.join(pair.connector, bodies + pair.body);
@@ -69,8 +70,9 @@ void copy_state(const Body& from, Body& to) {
 
 }  // namespace
 
-std::vector<std::size_t> island_numbers(const World& world, const Timeline& timeline) {
-  Sets sets = tied(world, timeline);
+std::vector<std::size_t> island_numbers(const World& world, const Timeline& timeline,
+                                        std::span<const std::size_t> wholes) {
+  Sets sets = tied(world, timeline, wholes);
   std::vector<std::size_t> numbers(world.connectors.size() + world.bodies.size(), 0);
   std::size_t count = 0;
   const auto touch = [&](std::size_t connector) {
@@ -85,9 +87,9 @@ std::vector<std::size_t> island_numbers(const World& world, const Timeline& time
 }
 
 std::unique_ptr<Islands> Islands::find(const World& world, const Timeline& timeline,
-                                       const Method& method) {
+                                       const Method& method, std::span<const std::size_t> wholes) {
   if (timeline.empty() || !method.again || !world.pulleys.empty()) return nullptr;
-  const std::vector<std::size_t> numbers = island_numbers(world, timeline);
+  const std::vector<std::size_t> numbers = island_numbers(world, timeline, wholes);
   const std::size_t connectors = world.connectors.size();
   std::unique_ptr<Islands> found(new Islands);
   found->islands_.resize(1 + std::ranges::max(numbers));
@@ -104,8 +106,9 @@ std::unique_ptr<Islands> Islands::find(const World& world, const Timeline& timel
   }
   const Island& rest = found->islands_[0];
   if (rest.connectors.empty() && rest.bodies.empty() && found->islands_.size() == 2) return nullptr;
-  found->again_ = method.again;
+  found->again = found->again_ = method.again;
   found->called = method.called;
+  found->step = method.step;
   for (Island& island : found->islands_) found->take(world, island);
   found->topology_ = world.topology;
   return found;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sim/interventions/interventions.h"
@@ -13,7 +14,10 @@ namespace taut {
 
 /// The island of each connector and, behind them, of each body: from 1 on those in which a timeline
 /// does something, 0 all others together.
-std::vector<std::size_t> island_numbers(const World& world, const Timeline& timeline);
+/// `wholes` has, for each connector of a world that has been cut, the one of the start that it is a
+/// part of: they are of one island. Empty: nothing has been cut.
+std::vector<std::size_t> island_numbers(const World& world, const Timeline& timeline,
+                                        std::span<const std::size_t> wholes = {});
 
 /// Advances islands, as physics engines call them: connectors and free bodies that nothing ties
 /// together, neither holds nor joints nor what a timeline has to come, and that never touch. Each
@@ -23,9 +27,10 @@ std::vector<std::size_t> island_numbers(const World& world, const Timeline& time
 class Islands : public Method {
  public:
   /// Null where there is one island alone, or pulleys, or where nobody knows how to make more such
-  /// methods.
+  /// methods. `wholes` as above.
   static std::unique_ptr<Islands> find(const World& world, const Timeline& timeline,
-                                       const Method& method);
+                                       const Method& method,
+                                       std::span<const std::size_t> wholes = {});
 
   void advance(World& world, double until) override;
 

@@ -139,6 +139,7 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
   if (!wrong.empty()) throw std::invalid_argument(wrong);
   auto method = info->make(with_defaults(*info, settings));
   method->called = name;
+  method->step = step_of(with_defaults(*info, settings));
   method->again = [info, full = with_defaults(*info, settings)] {
     auto another = info->make(full);
     another->called = info->name;
@@ -196,7 +197,7 @@ bool has_hinges(const World& world) {
 
 std::string_view kind_name(Event::Kind kind) {
   constexpr std::string_view kNames[] = {"taut",  "impulse", "slack", "hit",
-                                         "leave", "slide",   "stick"};
+                                         "leave", "slide",   "stick", "break"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -56,14 +56,14 @@ struct Counters {
 
 /// Something that happens at a moment. A span, or a link that only pulls, goes taut, with an
 /// impulse, or slack. The two sides of a contact hit each other, or pass on the impulse of another
-/// hit, leave each other, begin to slide, or come to stick.
+/// hit, leave each other, begin to slide, or come to stick. A link breaks (Connector::breaks_at).
 struct Event {
-  enum class Kind { taut, impulse, slack, hit, leave, slide, stick };
+  enum class Kind { taut, impulse, slack, hit, leave, slide, stick, breaks };
   Kind kind = Kind::taut;
   double time = 0;                    // s
   std::size_t connector = 0;          // index into World::connectors; not of contacts
-  std::size_t span = 0;               // index of the span on it, or of the link that only pulls
-  double size = 0;                    // N s: of an impulse, and of a hit
+  std::size_t span = 0;               // index of the span on it, or of the link
+  double size = 0;                    // N s: of an impulse, and of a hit; N: of what breaks
   Forces::Side one = {}, other = {};  // of contacts
   Vec3 place = Vec3::Zero();          // m, of contacts
   bool of_contact = false;
@@ -119,11 +119,15 @@ class Method {
   const std::vector<Event>& events() const { return events_; }
   /// Forgets the events and keeps their memory. Whoever advances for long calls it now and then.
   void clear_events() { events_.clear(); }
+  /// Adds what happened to the world beside the method's steps.
+  void add_event(const Event& event) { events_.push_back(event); }
   /// The same events, which the method forgets.
   std::vector<Event> take_events() { return std::exchange(events_, {}); }
 
   /// As make_method() was asked for it.
   std::string called = "method";
+  /// s, of its steps, as its settings have it; zero: it chooses them.
+  double step = 0;
   /// Makes another one with the same settings, where who made this one has said how.
   std::function<std::unique_ptr<Method>()> again;
 

@@ -235,6 +235,16 @@ void BodiesAsLinks::follow(const World& world) {
   }
 }
 
+std::vector<Quat> BodiesAsLinks::rotations() const {
+  std::vector<Quat> all;
+  for (const Link& link : links_) all.push_back(link.rotation);
+  return all;
+}
+
+void BodiesAsLinks::turn(const std::vector<Quat>& rotations) {
+  for (std::size_t i = 0; i < links_.size(); ++i) links_[i].rotation = rotations[i];
+}
+
 void BodiesAsLinks::show(Snapshot& state) const {
   for (const Link& link : links_) {
     std::vector<Vec3>& at = state.connectors[link.connector];

@@ -55,6 +55,9 @@ class BodiesAsLinks {
 
   /// Follows the links to where they are now.
   void follow(const World& world);
+  /// How the bodies are turned, and the same from a state that was saved: as many.
+  std::vector<Quat> rotations() const;
+  void turn(const std::vector<Quat>& rotations);
   /// Takes the links out of a state of the changed world, and moves the bodies there.
   void show(Snapshot& state) const;
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/interventions/interventions.h"
+#include "sim/run/forces.h"
 #include "sim/topology/components.h"
 #include "sim/world/places.h"
 
@@ -19,6 +20,8 @@ World finished(World world) {
   if (world.topology == 0) finish(world);
   return world;
 }
+
+constexpr double kWholeStep = 1e-9;  // a time so near a multiple of the step is one
 
 /// Whether two times (s) are apart by roundings of sums alone: methods take no such step.
 bool same_time(double a, double b) {
@@ -34,14 +37,38 @@ bool takes_from_afar(const World& world, const Parts::Place& spot) {
   return place.fraction > 0 && !(has_mass(place.particle) && has_mass(place.particle + 1));
 }
 
+/// Where a link that breaks is cut, m along its connector: in its middle or, where a bead there
+/// would be inside of an obstacle, at one of its particles.
+double place_of_break(const World& world, std::size_t index, std::size_t link) {
+  constexpr double kNear = 0.05;  // of the link
+  const Connector& connector = world.connectors[index];
+  double start = 0;
+  for (std::size_t k = 0; k < link; ++k) start += connector.rest[k];
+  const double rest = connector.rest[link];
+  const Vec3 middle = (connector.position[link] + connector.position[link + 1]) / 2;
+  const bool is_inside = std::ranges::any_of(world.obstacles, [&](const Obstacle& obstacle) {
+    if (!obstacle.touches(connector.category)) return false;
+    const Pose frame = obstacle.frame(world.time).pose();
+    return gap(obstacle, frame, middle, connector.radius).distance < kNear * rest;
+  });
+  for (const std::size_t end : {link + 1, link}) {
+    const bool is_free = end > 0 && end < connector.links() && !holds(connector, end) &&
+                         find_joint(world, index, end) == nullptr;
+    if (is_inside && is_free) return end == link ? start : start + rest;
+  }
+  return start + rest / 2;
+}
+
 }  // namespace
 
 Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline timeline)
     : world_(finished(std::move(world))),
+      state_parts_(world_, timeline),
       bodies_as_links_(world_),
       method_(std::move(method)),
       timeline_(std::move(timeline)),
-      parts_(world_.connectors),
+      uncut_(world_.connectors),
+      parts_(uncut_),
       pins_(timeline_.pins.size(), 0) {
   for (std::size_t i = 0; i < timeline_.pins.size(); ++i) {
     const TimedPin& pin = timeline_.pins[i];
@@ -70,7 +97,14 @@ void Simulation::advance_to(double time) {
   if (!(time >= world_.time)) throw std::invalid_argument("a simulation cannot go back in time");
   is_stopped_ = true;  // by whatever else is thrown
   try {
-    follow_timeline(time);
+    method_->clear_events();
+    if (is_shared_) refresh(world_);
+    const auto breaks = [](const Connector& one) { return std::isfinite(one.breaks_at); };
+    if (std::ranges::any_of(world_.connectors, breaks)) {
+      watch_tensions(time);
+    } else {
+      follow_timeline(time);
+    }
   } catch (const Diverged&) {
     is_stopped_ = false;
     throw;
@@ -82,8 +116,6 @@ void Simulation::advance_to(double time) {
 }
 
 void Simulation::follow_timeline(double time) {
-  method_->clear_events();
-  if (is_shared_) refresh(world_);
   for (; next_ < entries_.size(); ++next_) {
     const Entry& entry = entries_[next_];
     const bool now = same_time(entry.time, time);
@@ -95,6 +127,83 @@ void Simulation::follow_timeline(double time) {
   if (time > world_.time || left_behind_ || (islands_ && islands_->left_behind())) catch_up(time);
   bodies_as_links_.follow(world_);
   refuse_not_finite();
+}
+
+/// Goes on to `time` (s) and looks at the tensions on the way.
+void Simulation::watch_tensions(double time) {
+  if (!look_ || is_shared_) {
+    while (break_link()) continue;
+  }
+  while (world_.time < time) {
+    follow_timeline(next_look(time));
+    while (break_link()) continue;
+  }
+}
+
+/// Looks come closer as the largest tension comes near what breaks its link, and halve the time
+/// until then, as far as the last two tell. Equal steps stay as they are.
+double Simulation::next_look(double time) const {
+  constexpr double kLongest = 1.0 / 480, kShortest = 1e-6, kGrowth = 4;  // s
+  double wait = kLongest;
+  if (before_ && look_->time > before_->time) {
+    const double last = look_->time - before_->time;
+    const double slope = (look_->share - before_->share) / last;
+    if (slope > 0) wait = std::min(wait, (1 - look_->share) / (2 * slope));
+    wait = std::clamp(wait, kShortest, std::max(kShortest, kGrowth * last));
+  }
+  double next = world_.time + wait;
+  if (method_->step > 0) {
+    const double steps = std::floor(world_.time / method_->step + kWholeStep);
+    const double more = std::max(1.0, std::floor(wait / method_->step));
+    next = (steps + more) * method_->step;
+  }
+  return next < time && !same_time(next, time) ? next : time;
+}
+
+/// Cuts the link whose tension is farthest above what breaks it; false where none is.
+bool Simulation::break_link() {
+  Forces forces;
+  try {
+    forces = forces_of(world_);
+  } catch (const Diverged&) {
+    return false;  // no forces satisfy the laws here
+  }
+  const Forces::Link* most = nullptr;
+  double share = 0;
+  for (const Forces::Link& link : forces.links) {
+    const double own = link.tension / world_.connectors[link.connector].breaks_at;
+    if (own <= share) continue;
+    share = own;
+    most = &link;
+  }
+  if (look_ && look_->time < world_.time) before_ = look_;
+  look_ = {world_.time, share};
+  if (!(share > 1)) return false;
+  const Connector& connector = world_.connectors[most->connector];
+  const double along = place_of_break(world_, most->connector, most->link);
+  const auto part = std::ranges::find(parts_.all(), most->connector, &Parts::Part::connector);
+  const std::size_t whole = part->whole;
+  const double place = part->start + along;
+  Break made{{.connector = whole, .along = place, .time = world_.time},
+             connector.name,
+             most->link,
+             most->tension};
+  const Divided divided = interventions_.cut(world_, most->connector, along);
+  if (divided.outcome != Outcome::done) {
+    throw BadIntervention({true, breaks_.size(), std::string(words(divided.outcome))}, world_.time,
+                          "breaks_at of " + made.connector);
+  }
+  parts_.cut(whole, place, divided.connector);
+  divide_shown(whole, place);
+  method_->add_event({.kind = Event::Kind::breaks,
+                      .time = world_.time,
+                      .connector = most->connector,
+                      .span = most->link,
+                      .size = most->tension});
+  breaks_.push_back(std::move(made));
+  before_.reset();
+  look_.reset();
+  return true;
 }
 
 /// Every state that a method hands out passes here.
@@ -115,6 +224,61 @@ void Simulation::refuse_not_finite() const {
     }
     throw Diverged(method_->called, world_.time, steps, body, kWhat);
   }
+}
+
+std::string Simulation::save() const {
+  SavedState state{.world = world_, .next = next_, .pins = pins_};
+  state.world.topology = structure(world_);
+  for (const Parts::Part& part : std::span(parts_.all()).subspan(state_parts_.connectors())) {
+    state.cuts.push_back({part.whole, part.start, part.connector});
+  }
+  state.links_rotation = bodies_as_links_.rotations();
+  return saved(state, state_parts_);
+}
+
+void Simulation::load(std::string_view bytes) {
+  SavedState state = loaded(bytes, state_parts_, world_);
+  if (state.next > entries_.size() || state.pins.size() != pins_.size() ||
+      state.links_rotation.size() != bodies_as_links_.rotations().size()) {
+    throw BadState("the state is damaged, expected all bytes as they were saved");
+  }
+  bodies_as_links_.turn(state.links_rotation);
+  world_ = std::move(state.world);
+  next_ = state.next;
+  pins_ = std::move(state.pins);
+  left_behind_ = false;
+  breaks_.clear();
+  before_.reset();
+  look_.reset();
+  parts_ = uncut_;
+  for (const SavedState::Cut& cut : state.cuts) {
+    parts_.cut(cut.whole, cut.along, cut.connector);
+    const bool is_known = std::ranges::any_of(timeline_.cuts, [&](const TimedCut& known) {
+      return known.connector == cut.whole && known.along == cut.along;
+    });
+    if (!is_known) divide_shown(cut.whole, cut.along);
+  }
+  std::vector<std::size_t> wholes(world_.connectors.size());
+  for (const Parts::Part& part : parts_.all()) wholes[part.connector] = part.whole;
+  begin_anew(wholes);
+  interventions_.follow_parts(std::move(wholes));
+}
+
+/// Makes the method, or those of the islands, anew.
+void Simulation::begin_anew(std::span<const std::size_t> wholes) {
+  if (!method_->again) {
+    world_.topology += ++begun_;
+    return;
+  }
+  auto islands = islands_ ? Islands::find(world_, timeline_, *method_, wholes) : nullptr;
+  islands_ = islands.get();
+  std::unique_ptr<Method> fresh = std::move(islands);
+  if (!fresh) {
+    fresh = method_->again();
+    fresh->again = method_->again;
+    fresh->step = method_->step;
+  }
+  method_ = std::move(fresh);
 }
 
 void Simulation::go_on_from(const World& world) {
@@ -295,6 +459,22 @@ void Simulation::show() {
     shown_.push_back(std::move(shown));
   }
   shown_row_ = parts.in_a_row();
+}
+
+/// Makes two of what is shown as one connector, where that breaks.
+void Simulation::divide_shown(std::size_t whole, double along) {
+  const auto broken = std::ranges::find_if(shown_, [&](const Shown& shown) {
+    return shown.whole == whole && shown.along.front() < along && along < shown.along.back();
+  });
+  if (broken == shown_.end()) return;
+  const auto middle = std::ranges::lower_bound(broken->along, along);
+  Shown second{whole, {along}};
+  second.along.insert(second.along.end(), middle, broken->along.end());
+  broken->along.erase(middle, broken->along.end());
+  broken->along.push_back(along);
+  const auto row = std::ranges::find(shown_row_, std::size_t(broken - shown_.begin()));
+  shown_row_.insert(row + 1, shown_.size());
+  shown_.push_back(std::move(second));
 }
 
 Snapshot Simulation::state() const {

@@ -2,13 +2,16 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/interventions/interventions.h"
 #include "sim/run/islands.h"
 #include "sim/run/method.h"
 #include "sim/run/reduced.h"
+#include "sim/run/saved_state.h"
 #include "sim/run/trajectory.h"
 #include "sim/topology/components.h"
 #include "sim/world/world.h"
@@ -25,11 +28,21 @@ class Simulation {
   Simulation(World world, std::unique_ptr<Method> method, Timeline timeline = {});
 
   /// Advances to `time` (s, not before the present), and does what the timeline has until then; a
-  /// time that is a rounding off `time` or the present is the same.
+  /// time that is a rounding off `time` or the present is the same. Cuts a connector where a
+  /// tension passes Connector::breaks_at: a method that chooses its steps within a microsecond,
+  /// another one at the end of a step. Tensions are those of forces_of(); an impact breaks nothing.
   /// The method's events are those of this call afterwards. Throws Diverged, also if the state
   /// there is not finite, BadIntervention, and what the stop check throws (see set_stop_check()):
   /// after that the world is at no one time, and a further call throws std::runtime_error.
   void advance_to(double time);
+
+  /// The present as bytes, from which load() of another simulation of the same world and timeline
+  /// goes on, by whatever method: a method of equal steps without friction as if it had not
+  /// stopped, to the bit. Throws BadState where a pin of interventions() is on a path of its own.
+  std::string save() const;
+  /// Goes on from such bytes, where the method begins anew. Throws BadState, and changes nothing:
+  /// they are of another world or timeline, or damaged.
+  void load(std::string_view bytes);
 
   /// Goes on from `world`, a state of this simulation's own at its present or later, where the
   /// method begins anew.
@@ -39,7 +52,8 @@ class Simulation {
 
   /// The visible state, with all bodies of the world that was given; every connector keeps its
   /// particles from the first frame to the last: those of divided(), whatever the timeline has
-  /// pinned and cut so far. Without a timeline it is the world's own.
+  /// pinned and cut so far; a connector that breaks becomes two. Without a timeline it is the
+  /// world's own.
   Snapshot state() const;
 
   /// The method, or all of them where islands have one each.
@@ -47,6 +61,16 @@ class Simulation {
   /// Calls say(own, other's) for the method of each island; the other simulation has the same
   /// world and timeline.
   void tell(const Simulation& other, void (*say)(Method& own, const Method& others));
+
+  /// A link that broke: the cut that did it, as a timeline has it, and its tension (N).
+  struct Break {
+    TimedCut cut;
+    std::string connector;  // the part that had the link
+    std::size_t link = 0;   // of that part
+    double tension = 0;
+  };
+  /// In order of time, since the start.
+  const std::vector<Break>& breaks() const { return breaks_; }
 
   /// The events since the last advance, which are nobody else's from now on.
   std::vector<Event> take_events() { return method_->take_events(); }
@@ -68,6 +92,9 @@ class Simulation {
     std::size_t index;      // in the timeline's list
   };
   void follow_timeline(double time);
+  void watch_tensions(double time);
+  double next_look(double time) const;
+  bool break_link();
   void go_to(const Entry& entry, double time);
   std::vector<Parts::Place> places_at(double time) const;
   void catch_up(double time);
@@ -79,6 +106,8 @@ class Simulation {
   std::vector<const Entry*> frees_beads(std::span<const Entry> entries) const;
   void look_at_beads(std::span<const Entry* const> freed);
   void show();
+  void begin_anew(std::span<const std::size_t> wholes);
+  void divide_shown(std::size_t whole, double along);
 
   /// A connector of divided(): its particles' places on the connector that it is a part of.
   struct Shown {
@@ -87,6 +116,7 @@ class Simulation {
   };
 
   World world_;
+  StateParts state_parts_;
   bool is_shared_ = false;   // somebody may change it
   bool is_stopped_ = false;  // within a step, by the stop check
   std::uint64_t begun_ = 0;  // how often the method began anew
@@ -96,12 +126,19 @@ class Simulation {
   bool left_behind_ = false;    // parts of the world, by the method
   Interventions interventions_;
   Timeline timeline_;
-  Parts parts_;
+  Parts uncut_, parts_;
   std::vector<Shown> shown_;
   std::vector<std::size_t> shown_row_;  // indices of them, as they follow each other
   std::vector<Entry> entries_;          // in order of time
   std::size_t next_ = 0;                // of the entries
-  std::vector<std::uint64_t> pins_;     // numbers of the timeline's pins, 0 before they are set
+  std::vector<Break> breaks_;
+  /// A look at the tensions: the largest as a share of what breaks its link.
+  struct Look {
+    double time = 0;  // s
+    double share = 0;
+  };
+  std::optional<Look> before_, look_;  // the last two
+  std::vector<std::uint64_t> pins_;    // numbers of the timeline's pins, 0 before they are set
 };
 
 // The states of a simulation between its frames.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -86,6 +87,14 @@ struct EndTurn {
   double since = 0;  // rad: what has come to it, over any number of turns; a part of the state
 };
 
+/// The user's own force on a connector: adds to `force` (N, per particle) what acts at `time` (s)
+/// on particles at `position` (m) that move at `velocity` (m/s). Pins add particles and cuts divide
+/// them. It depends on these arguments alone: methods call it as often as they need, in any order,
+/// and for states that they drop.
+using AppliedForce =
+    std::function<void(double time, const std::vector<Vec3>& position,
+                       const std::vector<Vec3>& velocity, std::vector<Vec3>& force)>;
+
 enum class ConnectorModel {
   links,  // rigid two-sided links, particles with mass
   span,   // massless: nothing acts until the span is taut, then an impulse
@@ -118,6 +127,10 @@ struct Connector {
   std::vector<Section> sections;  // of each link; none: rigid links that bend freely, without air
   Drag drag;                      // with `sections` alone
   EndTurn end_turn;               // of one that is clamped at both ends and resists twist
+
+  std::shared_ptr<const AppliedForce> applied_force;  // null: none
+  /// N. A Simulation cuts the connector in the middle of the first link whose tension is above it.
+  double breaks_at = std::numeric_limits<double>::infinity();
 
   /// At its ends, as are pulleys (World::pulleys); null: neither. Lengths, rests and masses are
   /// then those of World::time.

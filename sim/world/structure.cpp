@@ -86,6 +86,7 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   }
   hash.word(sum);
   if (!connector.sections.empty()) add_materials(connector, hash);
+  if (connector.applied_force) hash.text("applied force");
   if (connector.pulls) hash.text("pulls");
   if (connector.links_touch) hash.text("links touch");
   if (connector.winch) {

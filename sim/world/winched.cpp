@@ -125,7 +125,9 @@ std::string winch_flaw(const World& world) {
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
     if (!connector.winch) continue;
-    const std::string what = flaw_of(world, c);
+    const std::string what = std::isfinite(connector.breaks_at)
+                                 ? "breaks_at, expected one that keeps its length"
+                                 : flaw_of(world, c);
     if (!what.empty()) return "the connector " + connector.name + " has a winch and " + what;
   }
   for (const Pulley& pulley : world.pulleys) {

@@ -260,6 +260,100 @@ position = [0, -5, 0]
       2);
 }
 
+// The same rows as arrays of numpy and as JSON.
+TEST(Simulate, HasTheForcesByTheFilesSuffix) {
+  const Folder folder;
+  folder.write("scene.toml", kPushedStick);
+  for (const char* file : {"forces.csv", "forces.json", "forces.npz"}) {
+    const ProgramResult outcome =
+        run_taut({"simulate", "scene.toml", "--forces", file, "--json", "-q"}, folder.path());
+    ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  }
+  const auto rows = lines(read_file(folder.path() / "forces.csv"));
+  const auto json = nlohmann::json::parse(read_file(folder.path() / "forces.json"));
+  ASSERT_EQ(json.size(), rows.size() - 1);
+  EXPECT_EQ(rows[1].rfind(
+                fmt::format("{:.17g},tension,{},{},", json[0]["t"].get<double>(),
+                            json[0]["of"].get<std::string>(), json[0]["part"].get<std::string>()),
+                0),
+            0u)
+      << rows[1];
+  EXPECT_NE(rows[1].find(fmt::format(",{:.17g}", json[0]["size"].get<double>())),
+            std::string::npos);
+  const std::string npz = read_file(folder.path() / "forces.npz");
+  EXPECT_NE(npz.find(fmt::format("'<f8', 'fortran_order': False, 'shape': ({}, 3)", json.size())),
+            std::string::npos);
+  EXPECT_NE(npz.find(fmt::format("'<U7', 'fortran_order': False, 'shape': ({},)", json.size())),
+            std::string::npos);  // "tension"
+}
+
+// A weight on a cord that is released level: it breaks 30 degrees below, where the tension is half
+// of that at the bottom. Both parts are there from the first frame.
+TEST(Simulate, TellsWhereAConnectorBreaks) {
+  const Folder folder;
+  folder.write("scene.toml", R"(schema_version = 1
+duration = 0.5
+[method]
+name = "direct"
+tolerance = 1e-5
+[connectors.cord]
+length = 1
+mass = 1e-6
+particles = 2
+breaks_at = 2.943
+from = { fixed = [0, 0, 0] }
+to = { point_mass = 0.2 }
+start = { direction = [1, 0, 0] }
+)");
+  const ProgramResult outcome = run_taut(
+      {"simulate", "scene.toml", "--json", "--csv", "t.csv", "--no-estimate"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto json = nlohmann::json::parse(outcome.output);
+  ASSERT_EQ(json["breaks"].size(), 1u);
+  const auto& found = json["breaks"][0];
+  EXPECT_EQ(found["connector"], "cord");
+  EXPECT_EQ(found["link"], 0);
+  EXPECT_NEAR(found["tension_N"].get<double>(), 2.943, 1e-4);
+  EXPECT_EQ(lines(read_file(folder.path() / "t.csv"))[0],
+            "t,cord.0.x,cord.0.y,cord.0.z,cord.1.x,cord.1.y,cord.1.z,cord'.0.x,cord'.0.y,"
+            "cord'.0.z,cord'.1.x,cord'.1.y,cord'.1.z");
+  const ProgramResult refused = run_taut(
+      {"simulate", "scene.toml", "--set", "connectors.cord.from.winch=[{t=0, paid_out=0}]"},
+      folder.path());
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.messages.find("breaks_at"), std::string::npos) << refused.messages;
+}
+
+TEST(Simulate, GoesOnFromAState) {
+  const Folder folder;
+  folder.write("scene.toml", kPushedStick);
+  const auto simulate = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"simulate", "scene.toml", "--method", "springs", "--step", "0.0001",
+                               "--no-estimate"});
+    return run_taut(more, folder.path());
+  };
+  ASSERT_EQ(simulate({"--csv", "whole.csv"}).code, 0);
+  const ProgramResult first =
+      simulate({"--until", "0.05", "--save-state", "s", "--csv", "first.csv"});
+  ASSERT_EQ(first.code, 0) << first.messages;
+  const ProgramResult second = simulate({"--from-state", "s", "--csv", "rest.csv"});
+  ASSERT_EQ(second.code, 0) << second.messages;
+  const std::string rest = read_file(folder.path() / "rest.csv");
+  EXPECT_EQ(read_file(folder.path() / "whole.csv"),
+            read_file(folder.path() / "first.csv") + rest.substr(rest.find('\n') + 1));
+  EXPECT_EQ(simulate({"--from-state", "s", "--until", "0.01"}).code, 2);
+  EXPECT_EQ(simulate({"--until", "100"}).code, 2);
+  EXPECT_EQ(simulate({"--from-state", "none"}).code, 3);
+  const ProgramResult other = simulate({"--from-state", "s", "--set", "gravity=[0, -9, 0]"});
+  EXPECT_EQ(other.code, 3);
+  EXPECT_NE(other.messages.find("s: the state is of another scene"), std::string::npos)
+      << other.messages;
+  folder.write("s", read_file(folder.path() / "s").replace(50, 1, "\xff"));
+  const ProgramResult damaged = simulate({"--from-state", "s"});
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_NE(damaged.messages.find("the state is damaged"), std::string::npos) << damaged.messages;
+}
+
 TEST(Simulate, EstimatesItsOwnError) {
   const Folder folder;
   folder.write("scene.toml", kPushedStick);

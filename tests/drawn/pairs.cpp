@@ -11,20 +11,28 @@
 namespace taut::drawn {
 namespace {
 
+// Scenes have no applied forces.
+constexpr std::size_t kSceneFeatures = kFeatureCount - 1;
+
+Feature scene_feature(std::size_t index) {
+  return static_cast<Feature>(index +
+                              (index < static_cast<std::size_t>(Feature::applied_force) ? 0 : 1));
+}
+
 class Pair : Pieces {
  public:
   explicit Pair(unsigned seed) : Pieces(seed) {
     unsigned pair = seed % pair_count(), other = 0;
-    for (unsigned one = 0; one < kFeatureCount; ++one) {
+    for (unsigned one = 0; one < kSceneFeatures; ++one) {
       if (pair <= one) {
         other = one;
         break;
       }
       pair -= one + 1;
     }
-    features_ |= static_cast<Feature>(pair);
-    features_ |= static_cast<Feature>(other);
-    if (chance(0.3)) features_ |= static_cast<Feature>(dice_.pick(kFeatureCount));
+    features_ |= scene_feature(pair);
+    features_ |= scene_feature(other);
+    if (chance(0.3)) features_ |= scene_feature(dice_.pick(kSceneFeatures));
   }
 
   std::string drawn() {
@@ -268,7 +276,7 @@ std::string pair_text(unsigned seed) {
 }
 
 unsigned pair_count() {
-  return kFeatureCount * (kFeatureCount + 1) / 2;
+  return kSceneFeatures * (kSceneFeatures + 1) / 2;
 }
 
 }  // namespace taut::drawn

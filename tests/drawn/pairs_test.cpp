@@ -168,10 +168,11 @@ Tally check_pairs(unsigned first, unsigned count) {
 }
 
 /// Pairs that no scene had that was taken: a method that follows both is rare for these. Features
-/// that no method follows do not count.
+/// that no method follows or no scene has do not count.
 unsigned missed(const Tally& tally) {
   unsigned count = 0;
   const auto is_followed = [](std::size_t feature) {
+    if (static_cast<Feature>(feature) == Feature::applied_force) return false;
     return std::ranges::any_of(all_methods(), [&](const MethodInfo& method) {
       return method.abilities.follows.has(static_cast<Feature>(feature));
     });

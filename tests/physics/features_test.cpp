@@ -158,6 +158,14 @@ class Maker {
       case Feature::material_on_body:
         load();
         return each_section([](Section&, std::size_t) {});
+      case Feature::applied_force:
+        rope().applied_force = std::make_shared<const AppliedForce>([](double time, auto place,
+                                                                       auto velocity, auto force) {
+          for (std::size_t i = 0; i < force.size(); ++i) {
+            force[i] += Vec3(0.1 * std::cos(3 * time), 0, 0) - 0.5 * place[i] - 0.02 * velocity[i];
+          }
+        });
+        return;
       case Feature::strings:
         rope().pulls = true;
         return;

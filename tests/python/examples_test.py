@@ -1,4 +1,6 @@
 """The examples, and the Python in README files, run and say what they should."""
+import importlib.util
+import json
 import os
 import re
 import subprocess
@@ -37,6 +39,20 @@ class Examples(unittest.TestCase):
         for name, expected in self.EXPECTED.items():
             with self.subTest(name), tempfile.TemporaryDirectory() as folder:
                 self.assertRegex(run((EXAMPLES / f"{name}.py").read_text(), folder), expected)
+
+    def test_the_notebook_s_cells_run(self):
+        notebook = json.loads((EXAMPLES / "rope_over_post.ipynb").read_text())
+        script = ""
+        for cell in notebook["cells"]:
+            if cell["cell_type"] != "code":
+                continue
+            self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None), "outputs are cleared")
+            needs = [tag.removeprefix("needs-") for tag in cell["metadata"].get("tags", [])]
+            if all(importlib.util.find_spec(name) for name in needs):
+                script += "".join(cell["source"]) + "\n"
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertRegex(run(script, folder), r"ends at \[\S+ \S+\] m, largest tension \d\.\d N")
+            self.assertGreater(os.path.getsize(os.path.join(folder, "swing.mp4")), 1000)
 
     def test_energy_of_the_swing_stays(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -21,7 +21,8 @@ using direct::Integrator;
 /// Features that only the implicit step follows together.
 const Abilities& abilities_without_implicit_step() {
   static const Abilities abilities{
-      Features::all() - Features{Feature::clamp_on_body, Feature::joint_in_flow},
+      Features::all() -
+          Features{Feature::clamp_on_body, Feature::joint_in_flow, Feature::applied_force},
       {
           {kMaterialFeatures -
                Features{Feature::bending_damping, Feature::taper, Feature::material_on_body},

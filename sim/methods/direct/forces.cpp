@@ -213,6 +213,7 @@ class Finder {
     mechanism.material().add_bends(from_.state.data(), velocity(0).data(), on_point_);
     mechanism.material().add_drag(from_.state.data(), velocity(0).data(), on_point_);
     mechanism.material().add_twists(from_.state.data(), velocity(0).data(), on_point_);
+    mechanism.material().add_applied(from_.state.data(), velocity(0).data(), on_point_);
     if (mechanism.has_winches()) mechanism.add_flow(from_.state.data(), on_point_);
     std::vector<double> mass(mechanism.points());
     std::size_t point = 0;

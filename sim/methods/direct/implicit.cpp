@@ -582,6 +582,7 @@ void ImplicitStep::assemble_materials(const Problem& problem) {
     block(middle, middle,
           material::drag_slope(edge, speed, link.density_area(), link.across, link.along));
   }
+  if (material.has_applied()) assemble_applied(problem);
   if (!mechanism_.has_winches()) return;
   std::ranges::fill(force_, Vec3::Zero());
   mechanism_.add_flow(state_.data(), force_);
@@ -590,6 +591,44 @@ void ImplicitStep::assemble_materials(const Problem& problem) {
     Relative at;
     add_handles(p, 1, at);
     push(at, force_[p]);
+  }
+}
+
+/// Applied forces are known by their values alone. The derivative of the force on a particle by its
+/// own motion is a quotient of differences, for all particles at once. What else the force depends
+/// on, Newton's iterations follow without a derivative.
+void ImplicitStep::assemble_applied(const Problem& problem) {
+  constexpr double kShare = 1e-6;  // of a length and of a speed, for the differences
+  const auto& material = mechanism_.material();
+  const std::size_t velocities = mechanism_.velocity(0);
+  std::vector<Vec3>& force = applied_[0];
+  std::vector<Vec3>& changed = applied_[1];
+  const auto add_to = [&](std::vector<Vec3>& sum) {
+    sum.assign(mechanism_.points(), Vec3::Zero());
+    material.add_applied(state_.data(), &state_[velocities], sum);
+  };
+  add_to(force);
+  by_motion_.assign(assembles_ ? mechanism_.points() : 0, Mat3::Zero());
+  for (std::size_t i = 0; assembles_ && i < 6; ++i) {
+    const std::size_t first = i < 3 ? i : velocities + i - 3;
+    const double by = kShare * (i < 3 ? length_ : speed_), weight = i < 3 ? problem.advance : 1;
+    const auto move = [&](double way) {
+      for (std::size_t p = 0; p < mechanism_.points(); ++p) state_[first + 3 * p] += way;
+    };
+    kept_ = state_;
+    move(by);
+    add_to(changed);
+    state_ = kept_;
+    for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+      by_motion_[p].col(static_cast<int>(i % 3)) -= weight / by * (changed[p] - force[p]);
+    }
+  }
+  for (std::uint32_t p = 0; p < mechanism_.points(); ++p) {
+    if (mechanism_.leader(p) != p) continue;
+    Relative at;
+    add_handles(p, 1, at);
+    push(at, force[p]);
+    if (assembles_ && !by_motion_[p].isZero(0)) block(at, at, by_motion_[p]);
   }
 }
 

@@ -190,6 +190,7 @@ class ImplicitStep {
   void assemble(const Problem& problem, double kappa);
   void assemble_inertia(const Problem& problem);
   void assemble_materials(const Problem& problem);
+  void assemble_applied(const Problem& problem);
   void assemble_twists(const Problem& problem);
   void assemble_links(const Problem& problem, double kappa);
   void assemble_contacts(const Problem& problem, double kappa);
@@ -297,16 +298,19 @@ class ImplicitStep {
   std::vector<double> wanted_;  // velocities without the stage's own forces, by unknowns
   std::vector<Vec3> turn_;      // per body: rotation since the step's start before the stage's part
   std::vector<Quat> start_turn_;
-  std::vector<double> loose_;         // per link: tension before the stage's part
-  std::vector<double> state_;         // of the present unknowns
-  std::vector<Vec3> force_;           // N, per point
-  std::vector<double> violation_;     // m, per link in a projection
-  double speed_ = 1;                  // m/s, typical
-  double length_ = 1, shortest_ = 1;  // m: of the longest connector, of the shortest link
-  double stiffest_ = 0;               // m2/s2: the largest stiffness of a bend over a mass
-  double creep_ = 0;                  // of friction: slip over impulse, where it sticks
-  double first_way_ = 0;              // m/s, of Newton's first correction
-  double exact_ = 0;                  // m: roundings of places
+  std::vector<double> loose_;                 // per link: tension before the stage's part
+  std::vector<double> state_;                 // of the present unknowns
+  std::vector<Vec3> force_;                   // N, per point
+  std::array<std::vector<Vec3>, 2> applied_;  // N, per point: in a state, and in a changed one
+  std::vector<Mat3> by_motion_;               // per point: minus the derivative of what is applied
+  std::vector<double> kept_;                  // the state that was changed
+  std::vector<double> violation_;             // m, per link in a projection
+  double speed_ = 1;                          // m/s, typical
+  double length_ = 1, shortest_ = 1;          // m: of the longest connector, of the shortest link
+  double stiffest_ = 0;                       // m2/s2: the largest stiffness of a bend over a mass
+  double creep_ = 0;                          // of friction: slip over impulse, where it sticks
+  double first_way_ = 0;                      // m/s, of Newton's first correction
+  double exact_ = 0;                          // m: roundings of places
   bool jumped_ = false;
   double arrival_ = 0, lowest_bounce_ = 0, lowest_slip_ = 0, friction_share_ = 1;
   /// The moment of a rod that is twisted couples all its particles: a column times a row, scaled.
