@@ -10,8 +10,7 @@
 #include "render/options/needs.h"
 #include "render/program/command.h"
 #include "render/program/program.h"
-#include "scenes/files/error.h"
-#include "scenes/format/document.h"
+#include "scenes/load/scene_files.h"
 
 namespace taut::cli {
 namespace render_command {
@@ -41,23 +40,13 @@ int render(const program::Common& common, const clips::RenderOptions& options) {
   return program::kDone;
 }
 
-/// The files that a scene is written in.
-std::vector<std::filesystem::path> files_of(const std::string& scene) {
-  std::vector<std::filesystem::path> files = {scene};
-  try {
-    const std::filesystem::path base = scenes::read_document(scene).base;
-    if (!base.empty()) files.push_back(base);
-  } catch (const scenes::BadScene&) {  // which is told when it is read to be rendered
-  }
-  return files;
-}
-
 int render_or_watch(const program::Common& common, const clips::RenderOptions& options) {
   if (!options.output.watch) return render(common, options);
   if (options.scene == "-" || options.inputs.several()) {
     throw program::Misuse("--watch: expected one scene file");
   }
-  return program::watch(files_of(options.scene), common, [&] { return render(common, options); });
+  return program::watch([&] { return scenes::scene_files(options.scene); }, common,
+                        [&] { return render(common, options); });
 }
 
 }  // namespace

@@ -41,6 +41,8 @@ struct Options {
   options::SceneOptions inputs;
   std::string scene;  // of the inputs, the one that is simulated now
   std::string csv, forces;
+  std::string sweep;  // KEY=FROM:UNTIL:COUNT
+  std::string swept;  // KEY=VALUE of this run
   std::string from_state, save_state;
   double until = 0;  // s; 0: the scene's duration
   int fps = 0;       // 0: the scene's
@@ -266,12 +268,17 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
 }
 
 std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
-                      const Report& report, const studies::SelfEstimate& estimate) {
+                      const Report& report, const studies::SelfEstimate& estimate,
+                      const std::string& swept) {
   const Counters& counters = simulation.method().counters();
   // The last frame's time is what was simulated; a scene of one frame simulates nothing.
   const double simulated = simulation.world().time;
   nlohmann::ordered_json json;
   json["scene"] = scene.file.string();
+  if (!swept.empty()) {
+    const auto [key, value] = options::set_pair(swept);
+    json["swept"] = {{"key", key}, {"value", std::stod(value)}};
+  }
   json["method"] = scene.method.name;
   json["settings"] = options::settings_json(with_defaults(scene.method));
   json["frames"] = report.frames;
@@ -328,12 +335,17 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
   return program::json_text(json) + '\n';
 }
 
-/// Several scenes share a folder.
+/// Several scenes share a folder, and so do the values of a sweep.
 std::string csv_file(const Options& options) {
-  if (options.csv.empty() || !options.inputs.several()) return options.csv;
+  const bool sweeps = !options.swept.empty(), several = options.inputs.several();
+  if (options.csv.empty() || !(several || sweeps)) return options.csv;
   if (options.csv.ends_with(".csv")) {
-    throw program::Misuse(
-        fmt::format("--csv {}: one file for several scenes, expected a folder", options.csv));
+    throw program::Misuse(fmt::format("--csv {}: one file for several {}, expected a folder",
+                                      options.csv, several ? "scenes" : "values"));
+  }
+  if (sweeps) {
+    const fs::path folder = options::results_folder(options.scene, options.csv, several);
+    return (folder / (options.swept + ".csv")).string();
   }
   return options::results_folder(options.scene, options.csv, true).string() + ".csv";
 }
@@ -345,6 +357,7 @@ void refuse_wrong_forces(const Options& options) {
   };
   if (file.empty()) return;
   if (options.inputs.several()) refuse("one file for several scenes, expected one scene");
+  if (!options.swept.empty()) refuse("one file for several values, expected no --sweep");
   if (file == "-" || render::is_standard_output(file)) {
     refuse("standard output is the trajectory's, expected a file");
   }
@@ -398,6 +411,12 @@ int run(const Options& options, const program::Common& common) {
   refuse_wrong_states(options, scene);
   if (options.score) return score(scene, options, common);
   const bool to_output = options.csv == "-" || render::is_standard_output(options.csv);
+  if (!options.swept.empty() && !(options.save_state + options.from_state).empty()) {
+    throw program::Misuse("--sweep: goes with neither --save-state nor --from-state");
+  }
+  if (!options.swept.empty() && (to_output || (options.csv.empty() && !common.json))) {
+    throw program::Misuse("--sweep: several trajectories, expected --csv FOLDER or --json");
+  }
   if (to_output && common.json) {
     throw program::Misuse(
         fmt::format("--csv {}: standard output is the JSON's (--json)", options.csv));
@@ -419,7 +438,8 @@ int run(const Options& options, const program::Common& common) {
     state.write(simulation.save());
     state.commit();
   }
-  if (common.json) render::write_output(json_text(scene, simulation, report, estimate));
+  if (common.json)
+    render::write_output(json_text(scene, simulation, report, estimate, options.swept));
   if (report.forces && report.forces->none > 0 && !common.quiet) {
     program::note("{}: {} of {} frames have no rows: no forces satisfy the laws in their states\n",
                   options.forces, report.forces->none, report.frames);
@@ -444,6 +464,7 @@ void add_simulate(CLI::App& app, program::Program& program) {
   taut simulate scenes/rope_swing.toml --method xpbd --step 1e-4 --score 1e-4
   taut simulate scenes/rope_swing.toml --until 1 --save-state swing.state > first.csv
   taut simulate scenes/rope_swing.toml --from-state swing.state > rest.csv
+  taut simulate scenes/rope_swing.toml --sweep connectors.rope.length=0.3:0.6:4 --json
 
 One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
 body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), the tension at the drum of
@@ -481,6 +502,11 @@ estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)"
   command.add_option("--from-state", options->from_state,
                      "Goes on from the state in this file, with the frame after it; without an "
                      "estimate of the error");
+  command
+      .add_option("--sweep", options->sweep,
+                  "A run for each of COUNT values of a key, evenly from one to another; --csv is "
+                  "their folder, --json a list")
+      .type_name("KEY=FROM:UNTIL:COUNT");
   command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
   options::add_method_options(command, options->method);
   command
@@ -492,12 +518,15 @@ estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)"
   options::add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
     program.run = [options, &program] {
-      return options::for_each_scene(options->inputs, program.common,
-                                     [&](const std::string& scene) {
-                                       Options one = *options;
-                                       one.scene = scene;
-                                       return run(one, program.common);
-                                     });
+      return options::for_each_run(options->inputs, options::sweep_values(options->sweep),
+                                   program.common,
+                                   [&](const std::string& scene, const std::string& swept) {
+                                     Options one = *options;
+                                     one.scene = scene;
+                                     one.swept = swept;
+                                     if (!swept.empty()) one.method.set.push_back(swept);
+                                     return run(one, program.common);
+                                   });
     };
   });
 }

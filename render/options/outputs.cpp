@@ -50,8 +50,9 @@ void add_output_options(program::Command& command, OutputOptions& options) {
   command.add_flag("--preview", options.preview,
                    "See a scene at once: 480 pixels wide, a sharp sample per pixel, at most 24 "
                    "frames a second, no estimate, in a folder preview of its own");
-  command.add_flag("--watch", options.watch,
-                   "Make a poster whenever the scene file is saved, until Ctrl-C");
+  command.add_flag(
+      "--watch", options.watch,
+      "Make a poster whenever the scene or a file that it names is saved, until Ctrl-C");
 }
 
 void check_outputs(const OutputOptions& options, bool several, bool frames_alone) {

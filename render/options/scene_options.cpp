@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <set>
 
 #include "render/base/atomic_file.h"
@@ -93,16 +96,58 @@ void complete_stage(scenes::Scene& scene, const std::vector<scenes::SceneChange>
   if (!left_out.empty() && !common.quiet) program::note("{}\n", left_out);
 }
 
+std::vector<std::string> sweep_values(const std::string& sweep) {
+  if (sweep.empty()) return {""};
+  const auto misuse = [&] {
+    return program::Misuse(fmt::format(
+        "--sweep {}: expected KEY=FROM:UNTIL:COUNT, as in connectors.rope.length=0.5:1:6", sweep));
+  };
+  constexpr std::size_t kMost = 10'000;
+  const std::size_t equals = sweep.find('=');
+  if (equals == std::string::npos || equals == 0) throw misuse();
+  std::array<double, 3> numbers{};
+  const char* at = sweep.data() + equals + 1;
+  const char* const end = sweep.data() + sweep.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const auto [next, error] = std::from_chars(at, end, numbers[i]);
+    const bool last = i + 1 == numbers.size();
+    if (error != std::errc() || !std::isfinite(numbers[i])) throw misuse();
+    if (last ? next != end : next == end || *next != ':') throw misuse();
+    at = next + 1;
+  }
+  const auto [from, until, count] = numbers;
+  if (!(count >= 1 && count <= kMost && count == std::floor(count))) throw misuse();
+  std::vector<std::string> pairs;
+  for (int i = 0; i < count; ++i) {
+    const double share = count > 1 ? i / (count - 1) : 0;
+    // Rounded as people write numbers: 0.1 to 0.3 in three steps has 0.2.
+    const double value = std::stod(fmt::format("{:.15g}", (1 - share) * from + share * until));
+    pairs.push_back(fmt::format("{}={}", sweep.substr(0, equals), value));
+  }
+  return pairs;
+}
+
 int for_each_scene(const SceneOptions& options, const program::Common& common,
                    const std::function<int(const std::string& scene)>& work) {
+  return for_each_run(options, {""}, common,
+                      [&](const std::string& scene, const std::string&) { return work(scene); });
+}
+
+int for_each_run(
+    const SceneOptions& options, const std::vector<std::string>& pairs,
+    const program::Common& common,
+    const std::function<int(const std::string& scene, const std::string& pair)>& work) {
   tell_old_keys(options, common);
-  if (!options.several()) return work(options.scenes.front());
+  if (!options.several() && pairs.size() == 1) {
+    return work(options.scenes.front(), pairs.front());
+  }
   int code = program::kDone;
   const char* between = "[\n";
-  for (const std::string& scene : options.scenes) {
+  for (std::size_t i = 0; i < options.scenes.size() * pairs.size(); ++i) {
     if (common.json) render::write_output(between);
     between = ",\n";
-    const int own = program::guarded(common, [&] { return work(scene); });
+    const int own = program::guarded(
+        common, [&] { return work(options.scenes[i / pairs.size()], pairs[i % pairs.size()]); });
     if (code == program::kDone) code = own;
     if (own == program::kInterrupted || own == program::kTerminated) break;
   }

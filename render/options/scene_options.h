@@ -49,6 +49,15 @@ void complete_stage(scenes::Scene& scene, const std::vector<scenes::SceneChange>
 int for_each_scene(const SceneOptions& options, const program::Common& common,
                    const std::function<int(const std::string& scene)>& work);
 
+/// The values of --sweep KEY=FROM:UNTIL:COUNT as pairs of --set, evenly from FROM to UNTIL; of an
+/// empty text one empty pair. Throws Misuse.
+std::vector<std::string> sweep_values(const std::string& sweep);
+
+/// The same for each scene with each of the pairs.
+int for_each_run(const SceneOptions& options, const std::vector<std::string>& pairs,
+                 const program::Common& common,
+                 const std::function<int(const std::string& scene, const std::string& pair)>& work);
+
 /// Where the results of a scene go: `out` or, where that is empty, a folder below `base` by the
 /// scene's path, so that no two scenes share one. scenes/ in front of a path is left out, as is the
 /// ending. With several scenes each has its own folder in `out`.

@@ -320,13 +320,14 @@ std::vector<fs::file_time_type> times_of(const std::vector<fs::path>& files) {
 
 }  // namespace
 
-int watch(const std::vector<fs::path>& files, const Common& common,
+int watch(const std::function<std::vector<fs::path>()>& files, const Common& common,
           const std::function<int()>& work) {
   for (;;) {
-    const auto seen = times_of(files);
+    const std::vector<fs::path> watched = files();
+    const auto seen = times_of(watched);
     const int code = guarded(common, work);
     if (code == kInterrupted || code == kTerminated) return kDone;
-    while (times_of(files) == seen) {
+    while (times_of(watched) == seen) {
       if (render::pending_interrupt()) return kDone;
       std::this_thread::sleep_for(kBetween);
     }

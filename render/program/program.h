@@ -38,9 +38,10 @@ int run_program(int argc, char** argv, std::span<const AddCommand> commands);
 
 // Work that is done again whenever a file is saved.
 
-/// Calls `work` now and whenever one of the files changes, until the program is interrupted, which
-/// is how it ends well. Errors of `work` are told, and wait for the next change.
-int watch(const std::vector<std::filesystem::path>& files, const Common& common,
+/// Calls `work` now and whenever one of the `files` changes, which are asked for each time, until
+/// the program is interrupted, which is how it ends well. Errors of `work` are told, and wait for
+/// the next change.
+int watch(const std::function<std::vector<std::filesystem::path>()>& files, const Common& common,
           const std::function<int()>& work);
 
 }  // namespace taut::program

@@ -1,8 +1,12 @@
 #include "scenes/character/figure.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/character/bone_names.h"
+#include "scenes/files/regular_file.h"
 #include "sim/motion/side_by_side.h"
 
 namespace taut::scenes {
@@ -65,14 +69,11 @@ Quat hips_turn(const Controls& c) {
 }  // namespace
 
 Figure::Figure(const Model& model, double stick_radius) : skeleton_(model) {
-  side_by_side(2, [&](std::size_t hand) {
-    if (hand == 0) grip_ = grip_stick(model, skeleton_, Side::right, stick_radius);
-    if (hand == 1) left_fist_ = fist(model, skeleton_, Side::left);
-  });
+  check_bones(model);
   const std::array<std::string, 2> sides = {"Left", "Right"};
   for (std::size_t i = 0; i < 2; ++i) {
     const auto find = [&](const char* name) { return skeleton_.find(sides[i] + name); };
-    clavicle_[i] = find("Shoulder");
+    clavicle_[i] = skeleton_.maybe(sides[i] + "Shoulder");
     arm_[i] = find("Arm");
     forearm_[i] = find("ForeArm");
     hand_[i] = find("Hand");
@@ -86,14 +87,15 @@ Figure::Figure(const Model& model, double stick_radius) : skeleton_(model) {
     const auto bone = [&](std::size_t a, std::size_t b) {
       return Vec3(skeleton_.rest(b) - skeleton_.rest(a));
     };
-    arms_[i] = {bone(arm_[i], forearm_[i]), bone(forearm_[i], hand_[i])};
-    legs_[i] = {bone(thigh_[i], shin_[i]), bone(shin_[i], foot_[i])};
+    arms_[i] = {bone(arm_[i], forearm_[i]), bone(forearm_[i], hand_[i]), z_axis};
+    legs_[i] = {bone(thigh_[i], shin_[i]), bone(shin_[i], foot_[i]), -z_axis};
   }
   jaw_ = skeleton_.maybe("Jaw");
   hips_ = skeleton_.find("Hips");
-  spine_ = {skeleton_.find("Spine"), skeleton_.find("Spine1"), skeleton_.find("Chest")};
-  chest_ = spine_[2];
-  neck_ = skeleton_.find("Neck");
+  for (const char* name : {"Spine", "Spine1", "Chest"})
+    if (const int bone = skeleton_.maybe(name); bone >= 0) spine_.push_back(std::size_t(bone));
+  chest_ = spine_.back();
+  neck_ = skeleton_.maybe("Neck");
   head_ = skeleton_.find("Head");
   between_eyes_ = Vec3(0, 0.09, 0.07) * scale();
   if (eye_[0] >= 0 && eye_[1] >= 0)
@@ -102,24 +104,52 @@ Figure::Figure(const Model& model, double stick_radius) : skeleton_(model) {
         skeleton_.rest(head_);
   hand_along_ = hand_axes(skeleton_, Side::right).along;
   left_axes_ = hand_axes(skeleton_, Side::left);
+  check_size(model);
+  side_by_side(2, [&](std::size_t hand) {
+    if (hand == 0) grip_ = grip_stick(model, skeleton_, Side::right, stick_radius);
+    if (hand == 1) left_fist_ = fist(model, skeleton_, Side::left);
+  });
   grip_frame_ = square(grip_.axis, hand_along_);
+}
+
+void Figure::check_size(const Model& model) const {
+  constexpr double kLeast = 0.05, kMost = 20;  // m, of the height of the hips
+  const double hips = skeleton_.rest(hips_).y();
+  if (!(hips >= kLeast && hips <= kMost)) {
+    throw bad_asset(
+        model.name,
+        fmt::format("its Hips are {:.3g} m above y = 0, expected {} to {} m: feet stand "
+                    "on y = 0, and scale = 0.01 makes metres of centimetres",
+                    hips, kLeast, kMost));
+  }
+  for (std::size_t i = 0; i < 2; ++i)
+    for (const auto& [limb, name] : {std::pair{arms_[i], "arm"}, {legs_[i], "leg"}})
+      if (!(std::min(limb.upper.norm(), limb.lower.norm()) > 1e-4 * hips))
+        throw bad_asset(model.name, fmt::format("its {} {} has a bone without length",
+                                                i == 0 ? "left" : "right", name));
 }
 
 Posture Figure::torso(const Controls& c) const {
   Posture p = skeleton_.upright();
   p.shift = c.segment<3>(root_x);
   p.turn[hips_] = hips_turn(c);
+  const auto joints = static_cast<double>(spine_.size());
   for (const std::size_t bone : spine_)
-    p.turn[bone] = turn(y_axis, c[spine_yaw] / 3) * turn(x_axis, c[spine_lean] / 3) *
-                   turn(z_axis, -c[spine_tilt] / 3);
-  for (const auto& [bone, share] : {std::pair{neck_, 0.4}, std::pair{head_, 0.6}})
+    p.turn[bone] = turn(y_axis, c[spine_yaw] / joints) * turn(x_axis, c[spine_lean] / joints) *
+                   turn(z_axis, -c[spine_tilt] / joints);
+  const auto turn_head = [&](std::size_t bone, double share) {
     p.turn[bone] = turn(y_axis, share * c[head_yaw]) * turn(x_axis, share * c[head_lean]) *
                    turn(z_axis, -share * c[head_tilt]);
+  };
+  if (neck_ >= 0) turn_head(std::size_t(neck_), 0.4);
+  turn_head(head_, neck_ >= 0 ? 0.6 : 1);
   set_face(c, p);
-  p.turn[clavicle_[0]] =
-      turn(y_axis, -c[left_shoulder_forward]) * turn(z_axis, c[left_shoulder_up]);
-  p.turn[clavicle_[1]] =
-      turn(y_axis, c[right_shoulder_forward]) * turn(z_axis, -c[right_shoulder_up]);
+  if (clavicle_[0] >= 0)
+    p.turn[std::size_t(clavicle_[0])] =
+        turn(y_axis, -c[left_shoulder_forward]) * turn(z_axis, c[left_shoulder_up]);
+  if (clavicle_[1] >= 0)
+    p.turn[std::size_t(clavicle_[1])] =
+        turn(y_axis, c[right_shoulder_forward]) * turn(z_axis, -c[right_shoulder_up]);
   for (const auto& [bone, closed] : grip_.fingers) p.turn[bone] = closed;
   for (const auto& [bone, closed] : left_fist_) p.turn[bone] = closed;
   return p;
@@ -183,8 +213,7 @@ Placement Figure::pose(const Controls& controls, const Pose& stick) const {
     placed = skeleton_.place(p);
     arm = right_arm(right_shoulder(placed), chest_turn(placed), stick, roll, swivel);
   }
-  const Quat& clavicle = placed.turn[clavicle_[1]];
-  p.turn[arm_[1]] = clavicle.conjugate() * arm.upper;
+  p.turn[arm_[1]] = turn_above(placed, arm_[1]).conjugate() * arm.upper;
   p.turn[forearm_[1]] = arm.upper.conjugate() * arm.lower;
   p.turn[hand_[1]] = arm.lower.conjugate() * arm.hand;
   aim_left_arm(controls, p);
@@ -205,7 +234,7 @@ void Figure::aim_left_arm(const Controls& controls, Posture& p) const {
   const Vec3 along = forearm + cocked * across;
   const Quat hand(square(along, across) * square(left_axes_.along, left_axes_.across).transpose());
   share_twist(turns.lower, hand, arms_[0].lower);
-  p.turn[arm_[0]] = placed.turn[clavicle_[0]].conjugate() * turns.upper;
+  p.turn[arm_[0]] = turn_above(placed, arm_[0]).conjugate() * turns.upper;
   p.turn[forearm_[0]] = turns.upper.conjugate() * turns.lower;
   p.turn[hand_[0]] = turns.lower.conjugate() * hand;
 }
@@ -242,7 +271,7 @@ void Figure::plant_feet(const Controls& controls, Posture& p) const {
     // The knee goes where the foot points.
     const LimbTurns turns = bend_limb(legs_[i], placed.position[thigh_[i]], ankle(controls, i),
                                       turn(y_axis, stand.yaw) * Vec3(0, 0.1, 1));
-    p.turn[thigh_[i]] = placed.turn[hips_].conjugate() * turns.upper;
+    p.turn[thigh_[i]] = turn_above(placed, thigh_[i]).conjugate() * turns.upper;
     p.turn[shin_[i]] = turns.upper.conjugate() * turns.lower;
     p.turn[foot_[i]] = turns.lower.conjugate() * foot;
   }

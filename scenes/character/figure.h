@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "scenes/character/hand.h"
 #include "scenes/character/limb.h"
@@ -68,7 +69,7 @@ struct ArmState {
 
 class Figure {
  public:
-  /// `stick_radius` in m. Throws BadAsset when the model lacks a bone.
+  /// `stick_radius` in m. Throws BadAsset when the model lacks bones that it needs.
   Figure(const Model& model, double stick_radius);
 
   /// Pelvis, spine, head, eyes, shoulders and hands; legs and arms as at rest.
@@ -107,12 +108,20 @@ class Figure {
   Skeleton skeleton_;
   Grip grip_;
   FingerTurns left_fist_;
+  /// The turn of what a bone hangs on.
+  Quat turn_above(const Placement& placed, std::size_t bone) const {
+    const int above = skeleton_.parent(bone);
+    return above < 0 ? Quat::Identity() : placed.turn[std::size_t(above)];
+  }
+  /// Throws BadAsset where a limb has no length, or the feet do not stand on y = 0.
+  void check_size(const Model& model) const;
+
   // By side, left then right.
-  std::array<std::size_t, 2> clavicle_, arm_, forearm_, hand_, thigh_, shin_, foot_;
-  std::array<std::size_t, 3> spine_;
-  std::array<int, 2> eye_, lid_, brow_, mouth_;  // -1 where the model has none
-  int jaw_;
-  std::size_t hips_, chest_, neck_, head_;
+  std::array<std::size_t, 2> arm_, forearm_, hand_, thigh_, shin_, foot_;
+  std::array<int, 2> clavicle_, eye_, lid_, brow_, mouth_;  // -1 where the model has none
+  std::vector<std::size_t> spine_;                          // upwards
+  int neck_, jaw_;                                          // -1 where the model has none
+  std::size_t hips_, chest_, head_;
   Vec3 between_eyes_;
   std::array<Limb, 2> arms_, legs_;
   Mat3 grip_frame_;  // columns: stick's axis, hand's direction square to it, their cross; at rest

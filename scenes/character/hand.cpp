@@ -11,8 +11,27 @@
 #include "scenes/character/track.h"
 
 namespace taut::scenes {
+namespace {
+
+/// Of a hand without fingers: it goes on from the fore arm, the thumb before the palm's edge. At
+/// rest palms look down, or to the body beside hanging arms.
+HandAxes axes_of_arm(const Skeleton& skeleton, Side side) {
+  const std::string name = side == Side::left ? "Left" : "Right";
+  HandAxes axes;
+  axes.along =
+      (skeleton.rest(skeleton.find(name + "Hand")) - skeleton.rest(skeleton.find(name + "ForeArm")))
+          .normalized();
+  Vec3 front = Vec3::UnitZ();
+  if (std::abs(axes.along.z()) > 0.9) front = Vec3::UnitX() * (side == Side::left ? -1 : 1);
+  axes.across = (front - front.dot(axes.along) * axes.along).normalized();
+  axes.palm = (side == Side::left ? 1 : -1) * axes.along.cross(axes.across);
+  return axes;
+}
+
+}  // namespace
 
 HandAxes hand_axes(const Skeleton& skeleton, Side side) {
+  if (!has_fingers(skeleton, side)) return axes_of_arm(skeleton, side);
   const auto joint = [&](const char* name) {
     return skeleton.rest(skeleton.find(hand_name(side) + name));
   };
@@ -109,6 +128,13 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 std::string hand_name(Side side) {
   return side == Side::left ? "LeftHand" : "RightHand";
+}
+
+bool has_fingers(const Skeleton& skeleton, Side side) {
+  for (const char* name : {"Thumb", "Index", "Middle", "Ring", "Pinky"})
+    for (const char* phalanx : {"1", "2", "3"})
+      if (skeleton.maybe(hand_name(side) + name + phalanx) < 0) return false;
+  return true;
 }
 
 Digit::Digit(const Model& model, const Skeleton& skeleton, Side side, const std::string& name) {
@@ -433,9 +459,21 @@ ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, d
   return closed;
 }
 
+/// Where a stick lies in a hand without fingers: a hand is a third as long as the fore arm.
+Grip before_palm(const Skeleton& skeleton, Side side, double radius) {
+  const HandAxes axes = hand_axes(skeleton, side);
+  const std::string name = side == Side::left ? "Left" : "Right";
+  const double arm =
+      (skeleton.rest(skeleton.find(name + "Hand")) - skeleton.rest(skeleton.find(name + "ForeArm")))
+          .norm();
+  constexpr double along = 0.32, thickness = 0.057;
+  return {arm * along * axes.along + (radius + arm * thickness) * axes.palm, axes.across, {}};
+}
+
 }  // namespace
 
 Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double radius) {
+  if (!has_fingers(skeleton, side)) return before_palm(skeleton, side, radius);
   const HandAxes axes = hand_axes(skeleton, side);
   ClosedHand closed = close_hand(model, skeleton, side, radius);
   const Capsule& stick = closed.stick;
@@ -482,6 +520,7 @@ double curl(const Digit& finger, double aside, std::span<const Vec3> palm, const
 }  // namespace
 
 FingerTurns fist(const Model& model, const Skeleton& skeleton, Side side) {
+  if (!has_fingers(skeleton, side)) return {};
   const HandAxes axes = hand_axes(skeleton, side);
   const Palm palm(model, skeleton, skeleton.find(hand_name(side)));
   std::vector<Digit> fingers;

@@ -21,6 +21,10 @@ enum class Side { left, right };
 /// "LeftHand" or "RightHand", with which the names of a hand's bones begin.
 std::string hand_name(Side side);
 
+/// Whether a hand has all bones of four fingers and a thumb; one that lacks some is moved as a
+/// whole.
+bool has_fingers(const Skeleton& skeleton, Side side);
+
 /// Turns of the three bones of a digit against the hand, in the model's axes at rest.
 using DigitTurns = std::array<Quat, 3>;
 
@@ -224,11 +228,12 @@ struct Grip {
 
 /// Lays a stick of that radius (m) on the palm, wraps the fingers round it until the skin of their
 /// phalanges touches it, and the thumb from the other side. The skin is `model`'s.
+/// A hand without fingers has the stick before its palm.
 Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double radius);
 
 // An empty hand, closed.
 
-/// An empty fist, the thumb across the fingers.
+/// An empty fist, the thumb across the fingers; nothing for a hand without them.
 FingerTurns fist(const Model& model, const Skeleton& skeleton, Side side);
 
 }  // namespace taut::scenes

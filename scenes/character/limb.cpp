@@ -30,6 +30,9 @@ LimbTurns bend_limb(const Limb& limb, const Vec3& root, const Vec3& target, cons
   const Vec3 middle = root + x * along + h * side;
   const Vec3 normal = along.cross(side) * -1;  // as of cross(upper, lower) of the bent limb
   Vec3 rest_normal = limb.upper.cross(limb.lower);
+  constexpr double kStraight = 0.05;  // rad
+  if (rest_normal.norm() < kStraight * a * b && !limb.bends.isZero())
+    rest_normal = limb.upper.cross(limb.bends);
   if (rest_normal.norm() < 1e-9 * a * b) rest_normal = limb.upper.unitOrthogonal();
   const auto turn = [&](const Vec3& rest, const Vec3& now) {
     return Quat(frame(now, normal) * frame(rest, rest_normal).transpose());

@@ -15,6 +15,7 @@ double beyond_reach(const Performance& performance, double time);
 /// The two bones of a limb at rest: from its root joint to the middle one, and on to its end (m).
 struct Limb {
   Vec3 upper = Vec3::Zero(), lower = Vec3::Zero();
+  Vec3 bends = Vec3::Zero();  // where its end goes when it bends, if it is straight at rest
 
   /// The farthest that the end gets from the root without the middle joint snapping straight.
   double reach() const { return 0.998 * (upper.norm() + lower.norm()); }

@@ -33,6 +33,8 @@ class Skeleton {
   int parent(std::size_t bone) const { return parent_[bone]; }
   /// Rest position of a joint in the model's axes (m).
   const Vec3& rest(std::size_t bone) const { return rest_[bone]; }
+  /// How a bone is turned at rest, in the model's axes.
+  const Quat& rest_rotation(std::size_t bone) const { return rest_rotation_[bone]; }
   /// Index of a bone. Throws BadAsset with the model's and the bone's name.
   std::size_t find(std::string_view name) const;
   /// Index of a bone, or -1 where the model has none of that name.

@@ -106,6 +106,8 @@ class Checker {
         return "the path of a file, as a string";
       case Type::choice:
         return fmt::format("one of: {}", fmt::join(key.choices, ", "));
+      case Type::names:
+        return fmt::format("a table of strings, or one of: {}", fmt::join(key.choices, ", "));
       case Type::points:
         return fmt::format("a list of {} points [x, y, z]", count_text(key));
       case Type::table:
@@ -155,6 +157,10 @@ class Checker {
         return file(value, key);
       case Type::choice:
         return choice(value, key);
+      case Type::names:
+        if (value.kind != Value::Kind::table) return choice(value, key);
+        for (const Value& member : value.children) attempt([&] { text(member, "a string"); });
+        return;
       case Type::points:
         count(value, key);
         for (const Value& element : value.children) point(element, key);

@@ -25,6 +25,7 @@ struct KeyFormat {
     texts,   // a list of them
     file,    // a path, of characters that are safe in one
     choice,  // one of `choices`
+    names,   // the same, or a table of texts by names that the author chooses
     points,  // a list of [x, y, z]
     table,   // of `table`
     named,   // a table of tables of `table`, by names that the author chooses

@@ -766,15 +766,43 @@ const TableFormat& head_key_format() {
   return format;
 }
 
+const TableFormat& animation_format() {
+  static const TableFormat format{
+      {text("name", "Which animation of the file; default: its first."),
+       {.name = "from",
+        .meaning = "Its time when the scene begins; default: 0.",
+        .unit = "s",
+        .minimum = -kLongest,
+        .maximum = kLongest},
+       {.name = "speed",
+        .meaning = "How many of its seconds pass in one of the scene's; default: 1.",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = 1000},
+       vector("position", "Where the model's origin stands; default: [0, 0, 0]."),
+       rotation("How the model is turned, [w, x, y, z].")}};
+  return format;
+}
+
 const TableFormat& character_format() {
   static const TableFormat format{
-      {needed({.name = "mesh", .type = Type::file, .meaning = "A skinned glTF or GLB model."}),
-       needed(text("right_hand", "Name of the path that the right hand's grip follows.")),
+      {needed({.name = "mesh",
+               .type = Type::file,
+               .meaning = "A skinned glTF or GLB model, or a BVH file of motion capture."}),
+       text("right_hand", "Name of the path that the right hand's grip follows."),
+       table("animation", "The character moves as this animation of its file says, instead.",
+             animation_format()),
+       {.name = "bones",
+        .type = Type::names,
+        .meaning = "What the model calls its bones, by their names here; or whose names it has.",
+        .choices = {"mixamo"}},
+       positive("scale", "Of the model's lengths, as 0.01 for centimetres; default: 1.", "1"),
        {.name = "head",
         .type = Type::tables,
         .meaning = "How the head turns when, beyond what follows from the hand; smooth between.",
         .least = 1,
-        .table = &head_key_format()}}};
+        .table = &head_key_format()}},
+      {{{"right_hand", "animation"}}, {{"head", "animation"}, false}}};
   return format;
 }
 

@@ -69,6 +69,10 @@ Json key_schema(const KeyFormat& key) {
       return list_schema(key, {{"type", "string"}, {"minLength", 1}});
     case Type::choice:
       return {{"enum", key.choices}};
+    case Type::names:
+      return {{"anyOf",
+               {{{"enum", key.choices}},
+                {{"type", "object"}, {"additionalProperties", {{"type", "string"}}}}}}};
     case Type::points:
       return list_schema(
           key,

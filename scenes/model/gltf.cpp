@@ -1,6 +1,7 @@
 // The structure follows the glTF 2.0 specification (Khronos, 2021), sections 3.5 to 3.9 and 4.
 #include "scenes/model/gltf.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -31,6 +32,7 @@ class Reduction {
     copy_skins();
     for (std::size_t i = 0; i < in_.list("meshes").size(); ++i) copy_mesh(i);
     if (!out_.contains("meshes")) in_.fail("has no triangles");
+    copy_animations();
     copy_nodes(roots);
     checked_.glb = pack();
     checked_.textures = textures_.take();
@@ -55,13 +57,12 @@ class Reduction {
   }
 
   void note_left_out() {
-    for (const char* key : {"animations", "cameras"}) {
-      for (std::size_t i = 0; i < in_.list(key).size(); ++i) {
-        leave_out(key, fmt::format("{}[{}]", key, i));
-      }
+    for (std::size_t i = 0; i < in_.list("cameras").size(); ++i) {
+      leave_out("cameras", fmt::format("cameras[{}]", i));
     }
     if (in_.list("scenes").size() > 1) leave_out("scenes but one", "scenes");
     for (const Json& name : in_.list("extensionsUsed")) {
+      if (name.is_string() && is_supported_extension(name.get_ref<const std::string&>())) continue;
       leave_out(fmt::format("the extension {}", name.dump()), "extensionsUsed");
     }
   }
@@ -83,21 +84,36 @@ class Reduction {
     return out_["accessors"].size() - 1;
   }
 
-  /// Adds a share of few bits as floats, behind all that the source holds.
+  /// Adds numbers of few bits as floats, behind all that the source holds; `change` may alter each
+  /// item.
+  template <typename Change>
+  std::size_t emit_floats(const GltfAccessor& a, const Change& change) {
+    const std::size_t start = begin_floats();
+    std::vector<float> values(a.elements);
+    for (std::size_t k = 0; k < a.count; ++k) {
+      for (std::size_t e = 0; e < a.elements; ++e) values[e] = in_.component(a, k, e);
+      change(values);
+      for (const float value : values) append32(added_, std::bit_cast<std::uint32_t>(value));
+    }
+    return end_floats(start, a.count, a.elements, a.type);
+  }
   std::size_t emit_floats(const GltfAccessor& a) {
-    const float whole = a.component == u8 ? 255 : 65535;
+    return emit_floats(a, [](std::vector<float>&) {});
+  }
+
+  /// Where floats that are added begin, in bytes.
+  std::size_t begin_floats() {
     added_.resize((in_.binary().size() + added_.size() + 3) / 4 * 4 - in_.binary().size());
-    const std::size_t offset = in_.binary().size() + added_.size(),
-                      item_size = a.elements * sizeof(float);
-    for (std::size_t k = 0; k < a.count; ++k)
-      for (std::size_t e = 0; e < a.elements; ++e)
-        append32(added_, std::bit_cast<std::uint32_t>(float(in_.integer(a, k, e)) / whole));
+    return in_.binary().size() + added_.size();
+  }
+  std::size_t end_floats(std::size_t start, std::size_t count, std::size_t elements,
+                         const std::string& type) {
     out_["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", a.count * item_size}});
+        {{"buffer", 0}, {"byteOffset", start}, {"byteLength", count * elements * sizeof(float)}});
     out_["accessors"].push_back({{"bufferView", out_["bufferViews"].size() - 1},
                                  {"componentType", f32},
-                                 {"count", a.count},
-                                 {"type", a.type}});
+                                 {"count", count},
+                                 {"type", type}});
     return out_["accessors"].size() - 1;
   }
 
@@ -106,17 +122,35 @@ class Reduction {
   std::vector<std::size_t> walk_nodes() {
     const std::size_t count = in_.list("nodes").size();
     if (count > model_limits::nodes) in_.fail("more than {} nodes", model_limits::nodes);
-    if (in_.list("scenes").empty()) in_.fail("has no scene");
+    new_index_.assign(count, count);
+    const std::vector<std::size_t> roots =
+        in_.list("scenes").empty() ? nodes_without_parents() : nodes_of_scene();
+    if (roots.empty()) in_.fail("its scene is empty");
+    for (const std::size_t root : roots) visit(root, 0);
+    return roots;
+  }
+
+  std::vector<std::size_t> nodes_of_scene() const {
     const std::size_t scene = in_.whole(in_.root(), "scene", "its JSON", 0);
     if (scene >= in_.list("scenes").size()) in_.fail("scene {} does not exist", scene);
-    const Json& chosen = in_.item("scenes", scene);
-    new_index_.assign(count, count);
     std::vector<std::size_t> roots;
-    for (const Json& value : in_.list(chosen, "nodes", "its scene")) {
-      roots.push_back(in_.index(value, count, "a scene's node"));
-      visit(roots.back(), 0);
+    for (const Json& value : in_.list(in_.item("scenes", scene), "nodes", "its scene"))
+      roots.push_back(in_.index(value, new_index_.size(), "a scene's node"));
+    return roots;
+  }
+
+  /// What a file without any scene shows.
+  std::vector<std::size_t> nodes_without_parents() const {
+    const std::size_t count = new_index_.size();
+    std::vector<bool> is_child(count, false);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string where = fmt::format("nodes[{}]", i);
+      for (const Json& child : in_.list(in_.item("nodes", i), "children", where))
+        is_child[in_.index(child, count, where + ".children")] = true;
     }
-    if (roots.empty()) in_.fail("its scene is empty");
+    std::vector<std::size_t> roots;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!is_child[i]) roots.push_back(i);
     return roots;
   }
 
@@ -166,22 +200,88 @@ class Reduction {
         const std::size_t skin = in_.index(in["skin"], out_["skins"].size(), where + ".skin");
         if (shows) check_joints(mesh, node["skin"] = skin);
       }
-      // Bones are found by name: names must differ, and no mesh may take a joint's.
+      // Bones are found by name: the first node of a name keeps it, and no mesh takes a joint's.
       std::string unique = in_.name(in, fmt::format("node {}", i));
       if (in.contains("mesh") && !joints_.contains(i)) unique = "mesh:" + unique;
       if (!names.insert(unique).second) {
-        if (joints_.contains(i)) in_.fail("two nodes are named \"{}\"", unique);
         names.insert(unique = fmt::format("{}#{}", unique, i));
       }
       node["name"] = unique;
       for (const Json& child : in_.list(in, "children", where))
         node["children"].push_back(new_index_[child.get<std::size_t>()]);
+      checked_.nodes.push_back(unique);
       out_["nodes"].push_back(node);
     }
     Json scene = {{"nodes", Json::array()}};
     for (const std::size_t root : roots) scene["nodes"].push_back(new_index_[root]);
     out_["scenes"].push_back(scene);
     out_["scene"] = 0;
+  }
+
+  // Animations of nodes, which become bones.
+
+  void copy_animations() {
+    for (std::size_t i = 0; i < in_.list("animations").size(); ++i) {
+      const std::string where = fmt::format("animations[{}]", i);
+      const Json& in = in_.item("animations", i);
+      Animation animation{in_.name(in, fmt::format("animation {}", i)), {}};
+      for (const Json& channel : in_.list(in, "channels", where)) {
+        if (!channel.is_object()) in_.fail("{}.channels must be objects", where);
+        copy_channel(channel, in_.list(in, "samplers", where), where, animation);
+      }
+      if (!animation.tracks.empty()) checked_.animations.push_back(std::move(animation));
+    }
+  }
+
+  void copy_channel(const Json& in, const Json& samplers, const std::string& where,
+                    Animation& animation) {
+    const Json target = in.value("target", Json::object());
+    if (!target.is_object() || !target.contains("node")) return;  // of an extension
+    const std::size_t node = in_.index(target["node"], new_index_.size(), where + " target.node");
+    const std::string path = target.value("path", std::string());
+    if (new_index_[node] == new_index_.size()) return;  // not in the scene
+    if (path == "weights") return leave_out("movements of morph targets", where);
+    const bool scales = path == "scale";
+    if (path != "translation" && path != "rotation" && !scales)
+      return leave_out("movements of another kind", where);
+
+    const std::size_t sampler = in_.index(in.value("sampler", Json()), samplers.size(), where);
+    if (!samplers[sampler].is_object()) in_.fail("{}.samplers must be objects", where);
+    const std::string name = fmt::format("{}.samplers[{}]", where, sampler);
+    const GltfAccessor input = in_.accessor(samplers[sampler].value("input", Json()), name),
+                       output = in_.accessor(samplers[sampler].value("output", Json()), name);
+    BoneTrack track;
+    track.bone = static_cast<std::uint32_t>(new_index_[node]);
+    track.of = path == "rotation" ? BoneTrack::Of::rotation : BoneTrack::Of::position;
+    const std::string between = samplers[sampler].value("interpolation", std::string("LINEAR"));
+    if (between == "STEP") track.between = BoneTrack::Between::step;
+    if (between == "CUBICSPLINE") track.between = BoneTrack::Between::cubic;
+    const std::size_t parts = track.between == BoneTrack::Between::cubic ? 3 : 1;
+    if (input.type != "SCALAR" || output.elements != track.size() ||
+        output.count != parts * input.count)
+      in_.fail("{}: {} values of {} numbers at {} times", name, output.count, output.elements,
+               input.count);
+    keys_ += input.count + output.count * output.elements;
+    if (keys_ > model_limits::keys)
+      in_.fail("its animations have more than {} numbers", model_limits::keys);
+    for (std::size_t k = 0; k < input.count; ++k) {
+      track.times.push_back(double{in_.component(input, k, 0)});
+      const bool rises = k == 0 || track.times[k] >= track.times[k - 1];
+      if (!std::isfinite(track.times[k]) || !rises) in_.fail("{}: times must rise", name);
+    }
+    for (std::size_t k = 0; k < output.count; ++k)
+      for (std::size_t e = 0; e < output.elements; ++e) {
+        track.values.push_back(in_.component(output, k, e));
+        if (!(std::abs(track.values.back()) < 1e9f)) in_.fail("{} is not finite", name);
+      }
+    if (scales) {
+      for (std::size_t k = track.size(); k < track.values.size(); ++k)
+        if (std::abs(track.values[k] - track.values[k % track.size()]) > 1e-3f)
+          return leave_out("movements that scale", where);
+      return;
+    }
+    joints_.insert(node);
+    animation.tracks.push_back(std::move(track));
   }
 
   // Skins, meshes and materials.
@@ -201,7 +301,11 @@ class Reduction {
       const std::size_t count = skin["joints"].size();
       if (count == 0 || count > model_limits::bones)
         in_.fail("{} has {} joints, expected 1 to {}", where, count, model_limits::bones);
-      if (!in.contains("inverseBindMatrices")) in_.fail("{} lacks inverseBindMatrices", where);
+      if (!in.contains("inverseBindMatrices")) {
+        skin["inverseBindMatrices"] = emit_unit_matrices(count);
+        out_["skins"].push_back(skin);
+        continue;
+      }
       const GltfAccessor a =
           in_.accessor(in["inverseBindMatrices"], where + ".inverseBindMatrices");
       if (a.type != "MAT4" || a.component != f32 || a.count != count)
@@ -209,6 +313,13 @@ class Reduction {
       skin["inverseBindMatrices"] = emit(a);
       out_["skins"].push_back(skin);
     }
+  }
+
+  std::size_t emit_unit_matrices(std::size_t count) {
+    const std::size_t start = begin_floats();
+    for (std::size_t i = 0; i < 16 * count; ++i)
+      append32(added_, std::bit_cast<std::uint32_t>(i % 16 % 5 == 0 ? 1.0f : 0.0f));
+    return end_floats(start, count, 16, "MAT4");
   }
 
   void check_joints(std::size_t mesh, std::size_t skin) const {
@@ -249,7 +360,7 @@ class Reduction {
     vertices_ += count;
     if (vertices_ > model_limits::vertices)
       in_.fail("more than {} vertices", model_limits::vertices);
-    if (attributes->contains("JOINTS_1")) in_.fail("{} has more than 4 weights per vertex", where);
+    if (attributes->contains("JOINTS_1")) leave_out("all but four bones of each vertex", where);
     if (attributes->contains("JOINTS_0") != attributes->contains("WEIGHTS_0"))
       in_.fail("{} must have both JOINTS_0 and WEIGHTS_0, or neither", where);
 
@@ -259,15 +370,18 @@ class Reduction {
       const GltfAccessor a = in_.accessor((*attributes)[key], what);
       if (a.count != count) in_.fail("{} has {} items, but POSITION {}", what, a.count, count);
       const bool is_float = a.component == f32;
-      const bool is_short = a.component == u8 || a.component == u16;
-      bool fits = a.type == "VEC3" && is_float;
+      const bool is_few_bits = a.component < u32;  // of positions and normals: quantized
+      const bool is_unsigned = a.component == u8 || a.component == u16;
+      bool fits = a.type == "VEC3" && (is_float || is_few_bits);
       if (key[0] == 'C')
-        fits = (a.type == "VEC3" || a.type == "VEC4") && (is_float || (is_short && a.normalized));
-      if (key[0] == 'J') fits = a.type == "VEC4" && is_short;
-      if (key[0] == 'W') fits = a.type == "VEC4" && (is_float || (is_short && a.normalized));
+        fits =
+            (a.type == "VEC3" || a.type == "VEC4") && (is_float || (is_unsigned && a.normalized));
+      if (key[0] == 'J') fits = a.type == "VEC4" && is_unsigned;
+      if (key[0] == 'W') fits = a.type == "VEC4" && (is_float || (is_unsigned && a.normalized));
       if (!fits) in_.fail("{} of type {} {} is not read", what, a.type, a.component);
       if (key[0] == 'J') note_joints(a);
-      out["attributes"][key] = key[0] == 'W' && is_short ? emit_floats(a) : emit(a);
+      const bool as_it_is = is_float || key[0] == 'C' || key[0] == 'J';
+      out["attributes"][key] = as_it_is ? emit(a) : emit_floats(a);
     }
     if (in.contains("indices")) {
       const GltfAccessor a = in_.accessor(in["indices"], where + ".indices");
@@ -285,29 +399,44 @@ class Reduction {
           in_.index(in["material"], in_.list("materials").size(), where + ".material");
       out["material"] = material;
       if (checked_.texture_of[material] >= 0)
-        copy_coordinates(*attributes, coordinates_of(material), count, where, out);
+        copy_coordinates(*attributes, base_texture_[material], count, where, out);
     }
     return out;
   }
 
-  /// The set of coordinates that the texture of a material takes.
-  std::size_t coordinates_of(std::size_t material) const {
-    const Json& pbr = in_.item("materials", material)["pbrMetallicRoughness"];
-    return in_.whole(pbr["baseColorTexture"], "texCoord", "baseColorTexture", 0);
-  }
-
-  /// Where the vertices are on the texture, as the only such set.
-  void copy_coordinates(const Json& attributes, std::size_t set, std::size_t count,
+  /// Where the vertices are on the texture of their material, as the only such set.
+  void copy_coordinates(const Json& attributes, const Json& info, std::size_t count,
                         const std::string& where, Json& out) {
+    const Json transform =
+        info.value("extensions", Json::object()).value("KHR_texture_transform", Json::object());
+    const std::size_t set = in_.whole(transform.contains("texCoord") ? transform : info, "texCoord",
+                                      where + ".baseColorTexture", 0);
     const std::string key = fmt::format("TEXCOORD_{}", set), what = where + " " + key;
     if (!attributes.contains(key))
       return leave_out(fmt::format("a texture without {}", key), where);
     const GltfAccessor a = in_.accessor(attributes[key], what);
     if (a.count != count) in_.fail("{} has {} items, but POSITION {}", what, a.count, count);
-    const bool is_share = (a.component == u8 || a.component == u16) && a.normalized;
-    if (a.type != "VEC2" || (a.component != f32 && !is_share))
+    if (a.type != "VEC2" || a.component == u32)
       in_.fail("{} of type {} {} is not read", what, a.type, a.component);
-    out["attributes"]["TEXCOORD_0"] = is_share ? emit_floats(a) : emit(a);
+    if (transform.empty()) {
+      out["attributes"]["TEXCOORD_0"] = a.component == f32 ? emit(a) : emit_floats(a);
+      return;
+    }
+    const auto pair = [&](const char* name, float fallback) {
+      const Json& values = in_.list(transform, name, where);
+      if (values.empty()) return std::array{fallback, fallback};
+      if (values.size() != 2) in_.fail("{}: {} must have 2 numbers", where, name);
+      return std::array{static_cast<float>(in_.number(values[0], name)),
+                        static_cast<float>(in_.number(values[1], name))};
+    };
+    const auto offset = pair("offset", 0), scale = pair("scale", 1);
+    const double turn =
+        transform.contains("rotation") ? in_.number(transform["rotation"], "rotation") : 0;
+    const auto c = static_cast<float>(std::cos(turn)), s = static_cast<float>(std::sin(turn));
+    out["attributes"]["TEXCOORD_0"] = emit_floats(a, [&](std::vector<float>& uv) {
+      const float u = uv[0] * scale[0], v = uv[1] * scale[1];
+      uv = {c * u + s * v + offset[0], c * v - s * u + offset[1]};
+    });
   }
 
   void note_joints(const GltfAccessor& a) {
@@ -320,19 +449,37 @@ class Reduction {
     const std::string where = fmt::format("materials[{}]", i);
     const Json& in = in_.item("materials", i);
     checked_.texture_of.push_back(-1);
+    base_texture_.emplace_back();
     Json factors = Json::object();
+    const auto color = [&](const Json& from, const char* key) {
+      if (!from.contains(key)) return;
+      const Json& values = in_.list(from, key, where);
+      if (values.size() != 4) in_.fail("{}.{} must have 4 numbers", where, key);
+      for (const Json& value : values) in_.number(value, where + "." + key);
+      factors["baseColorFactor"] = values;
+    };
+    const auto texture = [&](const Json& from, const char* key) {
+      if (!from.contains(key)) return;
+      checked_.texture_of.back() = textures_.index_of(from[key], where + "." + key);
+      base_texture_.back() = from[key];
+    };
+    const Json extensions = in.value("extensions", Json::object());
+    const auto older = extensions.find("KHR_materials_pbrSpecularGlossiness");
     if (const auto pbr = in.find("pbrMetallicRoughness"); pbr != in.end() && pbr->is_object()) {
-      if (pbr->contains("baseColorFactor")) {
-        const Json& color = in_.list(*pbr, "baseColorFactor", where);
-        if (color.size() != 4) in_.fail("{}.baseColorFactor must have 4 numbers", where);
-        for (const Json& value : color) in_.number(value, where + ".baseColorFactor");
-        factors["baseColorFactor"] = color;
-      }
+      color(*pbr, "baseColorFactor");
+      texture(*pbr, "baseColorTexture");
       for (const char* key : {"metallicFactor", "roughnessFactor"})
         if (pbr->contains(key)) factors[key] = in_.number((*pbr)[key], where + "." + key);
       if (pbr->contains("metallicRoughnessTexture")) leave_out("metallicRoughnessTexture", where);
-      if (const auto texture = pbr->find("baseColorTexture"); texture != pbr->end())
-        checked_.texture_of.back() = textures_.index_of(*texture, where + ".baseColorTexture");
+    } else if (older != extensions.end() && older->is_object()) {
+      color(*older, "diffuseFactor");
+      texture(*older, "diffuseTexture");
+      factors["metallicFactor"] = 0;
+      const char* key = "glossinessFactor";
+      factors["roughnessFactor"] =
+          older->contains(key) ? 1 - in_.number((*older)[key], where + "." + key) : 0;
+      if (older->contains("specularGlossinessTexture"))
+        leave_out("specularGlossinessTexture", where);
     }
     for (const char* key : {"normalTexture", "occlusionTexture", "emissiveTexture"})
       if (in.contains(key)) leave_out(key, where);
@@ -368,8 +515,7 @@ class Reduction {
   const GltfSource& in_;
   CheckedGltf checked_;
   GltfTextures textures_;
-  std::vector<std::size_t>
-      coordinates_;  // for each material the set of them that its texture takes
+  std::vector<Json> base_texture_;  // of each material: what names the texture of its colour
   Json out_;
   std::string added_;                   // to the source's data
   std::vector<std::size_t> new_index_;  // of a node, or the number of nodes: not in the scene
@@ -378,7 +524,7 @@ class Reduction {
   std::set<std::size_t> joints_;
   std::map<std::string, Found> left_out_;
   std::vector<std::size_t> highest_joint_;  // that a mesh names
-  std::size_t vertices_ = 0, indices_ = 0, primitives_ = 0;
+  std::size_t vertices_ = 0, indices_ = 0, primitives_ = 0, keys_ = 0;
   std::size_t shown_ = 0;  // primitives, as often as nodes show them
 };
 

@@ -1,6 +1,7 @@
 #include "scenes/model/gltf_source.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -17,8 +18,8 @@ constexpr std::size_t header = 12, chunk_header = 8;  // of a GLB, bytes
 constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
 
 std::size_t size_of(std::uint64_t component) {
-  if (component == 5120 || component == u8) return 1;
-  return component == 5122 || component == u16 ? 2 : 4;
+  if (component == i8 || component == u8) return 1;
+  return component == i16 || component == u16 ? 2 : 4;
 }
 
 std::size_t elements_of(const std::string& type) {
@@ -33,6 +34,13 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at, std::size_
   for (std::size_t i = size; i-- > 0;)
     value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
   return value;
+}
+
+/// Whether the shape of a model is the same without this extension, which changes its look.
+bool changes_looks(std::string_view extension) {
+  constexpr std::string_view kinds[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_",
+                                        "EXT_texture_",   "EXT_lights_",  "MSFT_texture_"};
+  return std::ranges::any_of(kinds, [&](std::string_view k) { return extension.starts_with(k); });
 }
 
 /// How deep lists and objects of a JSON text lie in each other.
@@ -59,12 +67,20 @@ std::size_t GltfAccessor::item_size() const {
   return elements * size_of(component);
 }
 
+bool is_supported_extension(std::string_view name) {
+  return name == "KHR_mesh_quantization" || name == "KHR_texture_transform" ||
+         name == "KHR_materials_pbrSpecularGlossiness";
+}
+
 GltfSource::GltfSource(const std::filesystem::path& file, const std::string& content,
                        NamedFiles& files)
     : file_(file) {
   read_container(content);
-  const Json& required = list("extensionsRequired");
-  if (!required.empty()) fail("needs the extension {}, which is not supported", required[0].dump());
+  for (const Json& name : list("extensionsRequired")) {
+    const std::string text = name.is_string() ? name.get<std::string>() : "";
+    if (!is_supported_extension(text) && !changes_looks(text))
+      fail("needs the extension {}, which is not supported", name.dump());
+  }
   gather_buffers(files);
 }
 
@@ -276,6 +292,29 @@ std::uint32_t GltfSource::integer(const GltfAccessor& a, std::size_t item,
                                   std::size_t element) const {
   const std::size_t size = size_of(a.component);
   return little_endian(binary_, a.offset + item * a.stride + element * size, size);
+}
+
+float GltfSource::component(const GltfAccessor& a, std::size_t item, std::size_t element) const {
+  const std::uint32_t bits = integer(a, item, element);
+  const auto share = [&](auto value) {
+    if (!a.normalized) return static_cast<float>(value);
+    constexpr auto most = static_cast<float>(std::numeric_limits<decltype(value)>::max());
+    return std::max(static_cast<float>(value) / most, -1.0f);
+  };
+  switch (a.component) {
+    case i8:
+      return share(static_cast<std::int8_t>(bits));
+    case u8:
+      return share(static_cast<std::uint8_t>(bits));
+    case i16:
+      return share(static_cast<std::int16_t>(bits));
+    case u16:
+      return share(static_cast<std::uint16_t>(bits));
+    case u32:
+      return share(bits);
+    default:
+      return std::bit_cast<float>(bits);
+  }
 }
 
 }  // namespace taut::scenes

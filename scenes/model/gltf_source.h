@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,7 +21,17 @@ namespace taut::scenes {
 using Json = nlohmann::json;
 
 /// Component types of accessors (glTF 2.0, section 3.6.2.2).
-enum GltfComponent : std::uint64_t { u8 = 5121, u16 = 5123, u32 = 5125, f32 = 5126 };
+enum GltfComponent : std::uint64_t {
+  i8 = 5120,
+  u8 = 5121,
+  i16 = 5122,
+  u16 = 5123,
+  u32 = 5125,
+  f32 = 5126
+};
+
+/// Whether a model is read with all that this extension adds to it.
+bool is_supported_extension(std::string_view name);
 
 /// An accessor whose elements all lie inside the buffers.
 struct GltfAccessor {
@@ -66,6 +77,8 @@ class GltfSource {
 
   /// One unsigned component of an accessor.
   std::uint32_t integer(const GltfAccessor& a, std::size_t item, std::size_t element) const;
+  /// One component of any type; a normalized one as a share of 1 (glTF 2.0, section 3.6.2.2).
+  float component(const GltfAccessor& a, std::size_t item, std::size_t element) const;
 
   /// All buffers, one after the other, each from a multiple of 4.
   const std::string& binary() const { return binary_; }

@@ -10,8 +10,8 @@
 
 namespace taut::scenes {
 
-/// The model that `content` of a .glb, .gltf or .obj file describes; the ending of `file` says
-/// which. Opens no file: those that it names come from `files`; nothing where that wants some.
+/// The model that `content` of a .glb, .gltf, .obj or .bvh file describes; the ending of `file`
+/// says which. Opens no file: those that it names come from `files`; nothing where that wants some.
 /// Throws BadAsset.
 std::optional<Model> import_model(const std::filesystem::path& file, const std::string& content,
                                   NamedFiles& files);

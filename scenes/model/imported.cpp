@@ -4,6 +4,8 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -77,8 +79,13 @@ void make_flat(Mesh& mesh) {
 
 class Import {
  public:
-  Import(const std::filesystem::path& file, const aiScene& scene, bool flat, Textures textures)
-      : file_(file), scene_(scene), flat_(flat), textures_(std::move(textures)) {}
+  Import(const std::filesystem::path& file, const aiScene& scene, bool flat, Textures textures,
+         NodeAnimations animations)
+      : file_(file),
+        scene_(scene),
+        flat_(flat),
+        textures_(std::move(textures)),
+        animations_(std::move(animations)) {}
 
   Model run() {
     model_.name = file_.stem().string();
@@ -87,6 +94,7 @@ class Import {
     find_bones();
     add_node(*scene_.mRootNode, Mat4::Identity(), -1);
     set_inverse_binds();
+    take_animations();
     for (const Instance& instance : instances_) add_mesh(instance);
     if (model_.meshes.empty()) fail("has no triangles");
     return std::move(model_);
@@ -98,6 +106,12 @@ class Import {
     const aiMesh* mesh;
     Mat4 world;
     int bone;  // the nearest one above the node, or -1
+  };
+
+  /// What the rest pose makes of the points of a skinned mesh, if it is the same for all bones.
+  struct Rest {
+    Mat4 move = Mat4::Identity();
+    bool same = true, identity = true;
   };
 
   [[noreturn]] void fail(const std::string& cause) const { throw bad_asset(file_, cause); }
@@ -130,6 +144,8 @@ class Import {
     for (unsigned i = 0; i < scene_.mNumMeshes; ++i)
       for (unsigned b = 0; b < scene_.mMeshes[i]->mNumBones; ++b)
         joints.insert(text(scene_.mMeshes[i]->mBones[b]->mName));
+    for (const Animation& animation : animations_.all)
+      for (const BoneTrack& track : animation.tracks) joints.insert(animations_.nodes[track.bone]);
     if (!joints.empty()) mark(*scene_.mRootNode, joints, false);
     const aiNode* root = scene_.mRootNode;
     if (!joints.contains(text(root->mName)) && root->mTransformation.IsIdentity())
@@ -155,13 +171,20 @@ class Import {
       out.name = text(node.mName);
       out.parent = parent;
       const Mat3 rotation = local.topLeftCorner<3, 3>();
-      if ((rotation.transpose() * rotation - Mat3::Identity()).norm() > 1e-3 ||
-          rotation.determinant() < 0)
-        fail(fmt::format("bone \"{}\" is scaled", out.name));
-      out.rest = {local.topRightCorner<3, 1>(), Quat(rotation).normalized()};
+      const bool rigid = (rotation.transpose() * rotation - Mat3::Identity()).norm() <= 1e-3 &&
+                         rotation.determinant() > 0;
+      Mat4 rest = world;
+      if (rigid && (parent < 0 || node_world_[index(parent)] == rest_world_[index(parent)])) {
+        out.rest = {local.topRightCorner<3, 1>(), Quat(rotation).normalized()};
+      } else {
+        rest = without_scale(world, out.name);
+        const Mat4 own = parent < 0 ? rest : (rest_world_[index(parent)].inverse() * rest).eval();
+        out.rest = {own.topRightCorner<3, 1>(), Quat(Mat3(own.topLeftCorner<3, 3>())).normalized()};
+      }
       bone = static_cast<int>(model_.bones.size());
       model_.bones.push_back(out);
-      rest_world_.push_back(world);
+      node_world_.push_back(world);
+      rest_world_.push_back(rest);
       if (model_.bones.size() > model_limits::bones)
         fail(fmt::format("more than {} bones", model_limits::bones));
     }
@@ -170,21 +193,69 @@ class Import {
     for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(*node.mChildren[i], world, bone);
   }
 
-  /// From the skins; a bone that moves no vertex gets the inverse of its rest pose.
+  static std::size_t index(int bone) { return static_cast<std::size_t>(bone); }
+
+  /// A bone's place without the scales of the nodes above it.
+  Mat4 without_scale(const Mat4& world, const std::string& name) const {
+    const Mat3 linear = world.topLeftCorner<3, 3>();
+    if (!(linear.determinant() > 1e-18)) fail(fmt::format("bone \"{}\" is scaled", name));
+    const Eigen::JacobiSVD<Mat3> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Mat4 rest = world;
+    rest.topLeftCorner<3, 3>() = svd.matrixU() * svd.matrixV().transpose();
+    return rest;
+  }
+
+  std::size_t bone_of(const aiBone& bone) const {
+    const int found = model_.bone(text(bone.mName));
+    if (found < 0) fail(fmt::format("bone \"{}\" is no node", text(bone.mName)));
+    if (!matrix(bone.mOffsetMatrix).allFinite())
+      fail(fmt::format("bone \"{}\" is not finite", text(bone.mName)));
+    return index(found);
+  }
+
+  /// How a skinned mesh lies in the rest pose.
+  Rest rest_of(const aiMesh& mesh) const {
+    constexpr double kAlike = 1e-3;  // of matrices, against their size
+    Rest rest;
+    for (unsigned b = 0; b < mesh.mNumBones; ++b) {
+      const aiBone& bone = *mesh.mBones[b];
+      const Mat4 move = node_world_[bone_of(bone)] * matrix(bone.mOffsetMatrix);
+      if (b == 0) rest.move = move;
+      rest.identity &= (move - Mat4::Identity()).norm() < kAlike;
+      rest.same &= (move - rest.move).norm() < kAlike * rest.move.norm();
+    }
+    rest.same &= std::abs(rest.move.topLeftCorner<3, 3>().determinant()) > 1e-12;
+    return rest;
+  }
+
+  /// From the skins; a bone that moves no vertex gets the inverse of its rest pose, and so do those
+  /// of skins that the rest pose moves as a whole, as a skeleton in centimetres: there the vertices
+  /// are moved instead.
   void set_inverse_binds() {
     std::vector<std::optional<Mat4>> given(model_.bones.size());
-    for (unsigned i = 0; i < scene_.mNumMeshes; ++i)
-      for (unsigned b = 0; b < scene_.mMeshes[i]->mNumBones; ++b) {
-        const aiBone& bone = *scene_.mMeshes[i]->mBones[b];
-        const int index = model_.bone(text(bone.mName));
-        if (index < 0) fail(fmt::format("bone \"{}\" is no node", text(bone.mName)));
-        auto& slot = given[static_cast<std::size_t>(index)];
-        const Mat4 offset = matrix(bone.mOffsetMatrix);
-        if (!offset.allFinite()) fail(fmt::format("bone \"{}\" is not finite", text(bone.mName)));
-        if (slot && !slot->isApprox(offset, 1e-4))
-          fail(fmt::format("bone \"{}\" has two inverse bind matrices", text(bone.mName)));
-        slot = offset;
+    std::vector<Rest> rests(scene_.mNumMeshes);
+    bool moved = true;
+    for (unsigned i = 0; i < scene_.mNumMeshes; ++i) {
+      rests[i] = rest_of(*scene_.mMeshes[i]);
+      moved &= rests[i].same || rests[i].identity;
+    }
+    for (unsigned i = 0; i < scene_.mNumMeshes; ++i) {
+      const aiMesh& mesh = *scene_.mMeshes[i];
+      if (moved && !rests[i].identity) {
+        moved_[&mesh] = rests[i].move;
+        continue;
       }
+      for (unsigned b = 0; b < mesh.mNumBones; ++b) {
+        const aiBone& bone = *mesh.mBones[b];
+        const std::size_t k = bone_of(bone);
+        Mat4 offset = matrix(bone.mOffsetMatrix);
+        if (node_world_[k] != rest_world_[k])
+          offset = rest_world_[k].inverse() * node_world_[k] * offset;
+        if (given[k] && !given[k]->isApprox(offset, 1e-4))
+          fail(fmt::format("bone \"{}\" has two inverse bind matrices", text(bone.mName)));
+        given[k] = offset;
+      }
+    }
     inverse_bind_.resize(given.size());
     for (std::size_t i = 0; i < given.size(); ++i) {
       inverse_bind_[i] = given[i].value_or(rest_world_[i].inverse());
@@ -192,12 +263,34 @@ class Import {
     }
   }
 
+  /// Positions are lengths in the frame of the parent, which is without its scale here.
+  void take_animations() {
+    for (Animation& animation : animations_.all) {
+      std::erase_if(animation.tracks, [&](BoneTrack& track) {
+        const int bone = model_.bone(animations_.nodes[track.bone]);
+        if (bone < 0) return true;
+        track.bone = static_cast<std::uint32_t>(bone);
+        const int parent = model_.bones[track.bone].parent;
+        if (track.of == BoneTrack::Of::rotation || parent < 0) return false;
+        const auto scale = static_cast<float>(
+            std::cbrt(node_world_[index(parent)].topLeftCorner<3, 3>().determinant()));
+        if (std::abs(scale - 1) > 1e-6f)
+          for (float& x : track.values) x *= scale;
+        return false;
+      });
+    }
+    model_.animations = std::move(animations_.all);
+  }
+
   void add_mesh(const Instance& instance) {
     const aiMesh& in = *instance.mesh;
     const bool skinned = in.mNumBones > 0;
     // A skinned mesh ignores its node; one that merely hangs on a bone moves with it rigidly; any
     // other is placed by its node.
-    Mat4 place = skinned ? Mat4::Identity().eval() : instance.world;
+    const auto moved = moved_.find(&in);
+    Mat4 place = !skinned                ? instance.world
+                 : moved != moved_.end() ? moved->second
+                                         : Mat4::Identity();
     if (!skinned && instance.bone >= 0) {
       const auto bone = static_cast<std::size_t>(instance.bone);
       place = (rest_world_[bone] * inverse_bind_[bone]).inverse() * instance.world;
@@ -218,11 +311,15 @@ class Import {
     if (vertices_ > vertex_limit) fail(fmt::format("more than {} vertices", vertex_limit));
     out.indices = triangles(in, scale < 0);
     out.vertices.resize(in.mNumVertices);
-    const std::vector<Vec3> own = in.HasNormals() ? std::vector<Vec3>() : smooth_normals(in);
+    std::vector<Vec3> own;
+    const auto is_zero = [](const aiVector3D& n) { return n.x == 0 && n.y == 0 && n.z == 0; };
+    if (!in.HasNormals() || std::any_of(in.mNormals, in.mNormals + in.mNumVertices, is_zero))
+      own = smooth_normals(in);
     for (std::size_t i = 0; i < out.vertices.size(); ++i) {
       const Vec3 position =
           place.topLeftCorner<3, 3>() * vec3(in.mVertices[i]) + place.topRightCorner<3, 1>();
-      const Vec3 normal = for_normals * (own.empty() ? vec3(in.mNormals[i]) : own[i]);
+      const bool given = in.HasNormals() && !is_zero(in.mNormals[i]);
+      const Vec3 normal = for_normals * (given ? vec3(in.mNormals[i]) : own[i]);
       if (!position.allFinite() || position.norm() > 1e6 || !normal.allFinite())
         fail(fmt::format("mesh \"{}\": vertex {} is not finite", out.name, i));
       Vertex& v = out.vertices[i];
@@ -284,8 +381,10 @@ class Import {
     return indices;
   }
 
-  void add_weights(const aiMesh& in, Mesh& out) const {
+  void add_weights(const aiMesh& in, Mesh& out) {
     std::vector<int> used(out.vertices.size(), 0);
+    const auto first = static_cast<std::uint16_t>(bone_of(*in.mBones[0]));
+    std::size_t loose = 0;  // vertices without weights
     for (unsigned b = 0; b < in.mNumBones; ++b) {
       const aiBone& bone = *in.mBones[b];
       const auto index = static_cast<std::uint16_t>(model_.bone(text(bone.mName)));
@@ -303,18 +402,30 @@ class Import {
     for (std::size_t i = 0; i < out.vertices.size(); ++i) {
       auto& w = out.vertices[i].weights;
       const float sum = w[0] + w[1] + w[2] + w[3];
-      if (!(sum > 1e-6f)) fail(fmt::format("mesh \"{}\": vertex {} has no weight", out.name, i));
+      if (!(sum > 1e-6f)) {
+        out.vertices[i].bones = {first, 0, 0, 0};
+        w = {1, 0, 0, 0};
+        ++loose;
+        continue;
+      }
       for (float& weight : w) weight /= sum;
     }
+    if (loose > 0)
+      model_.left_out.push_back(
+          fmt::format("weights of no bone (mesh \"{}\", {} vertices: they follow \"{}\")", out.name,
+                      loose, model_.bones[first].name));
   }
 
   const std::filesystem::path& file_;
   const aiScene& scene_;
   bool flat_;
   Textures textures_;
+  NodeAnimations animations_;
   Model model_;
   std::set<const aiNode*> bone_nodes_;
-  std::vector<Mat4> rest_world_, inverse_bind_;
+  std::vector<Mat4> node_world_;                 // of each bone, as the file has it
+  std::vector<Mat4> rest_world_, inverse_bind_;  // of each bone, without its scale
+  std::map<const aiMesh*, Mat4> moved_;          // skinned ones, by their rest pose
   std::vector<Instance> instances_;
   std::map<std::size_t, std::size_t> untextured_;
   std::size_t vertices_ = 0;
@@ -323,8 +434,8 @@ class Import {
 }  // namespace
 
 Model from_imported(const std::filesystem::path& file, const aiScene& scene, bool flat,
-                    Textures textures) {
-  return Import(file, scene, flat, std::move(textures)).run();
+                    Textures textures, NodeAnimations animations) {
+  return Import(file, scene, flat, std::move(textures), std::move(animations)).run();
 }
 
 }  // namespace taut::scenes

@@ -14,6 +14,7 @@ constexpr std::size_t depth = 128;  // of the tree of nodes
 constexpr std::size_t bones = 256;
 constexpr std::size_t vertices = 4u << 20;  // over all pieces, also those that share data
 constexpr std::size_t indices = 24u << 20;
+constexpr std::size_t keys = 16u << 20;  // numbers of all animations
 // Of the process that reads it. The largest of the above take about half of it.
 constexpr std::size_t memory = 2048u << 20;
 // Of that process's reply: 8 million vertices with their indices, and the pictures.

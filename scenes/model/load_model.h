@@ -7,7 +7,7 @@
 
 namespace taut::scenes {
 
-/// Reads a glTF/GLB or OBJ file, and the files that it names. All of them lie in the folder
+/// Reads a glTF/GLB, OBJ or BVH file, and the files that it names. All of them lie in the folder
 /// `within` (canonical; empty: the model's own): links are followed inside of it alone. Throws
 /// BadAsset (a message that names the file and the cause) for anything that is missing, outside,
 /// truncated, too large, inconsistent or not finite.

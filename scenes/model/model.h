@@ -55,16 +55,46 @@ struct Bone {
   Eigen::Matrix4f inverse_bind = Eigen::Matrix4f::Identity();  // model space to bone space
 };
 
+/// How a bone moves over time, against its parent.
+struct BoneTrack {
+  enum class Of : std::uint8_t { position, rotation };
+  enum class Between : std::uint8_t { step, linear, cubic };
+  std::uint32_t bone = 0;
+  Of of = Of::position;
+  Between between = Between::linear;
+  std::vector<double> times;  // s, rising
+  /// x, y, z (m), or those and w, for each time; where it is cubic, between two tangents of as many
+  /// numbers (per second).
+  std::vector<float> values;
+
+  std::size_t size() const { return of == Of::position ? 3 : 4; }  // numbers of a value
+};
+
+struct Animation {
+  std::string name;
+  std::vector<BoneTrack> tracks;
+};
+
 struct Model {
   std::string name;
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
-  std::vector<Bone> bones;            // empty: not skinned
+  std::vector<Bone> bones;  // empty: not skinned
+  std::vector<Animation> animations;
   std::vector<std::string> left_out;  // what of the file is not in it, for messages; a line each
 
   /// Index of a bone by name, or -1.
   int bone(std::string_view bone_name) const;
 };
+
+/// Makes all lengths of a model so many times as large.
+void enlarge(Model& model, double scale);
+
+/// Leaves out animations; adds to what is left out of `file`.
+void leave_out_animations(Model& model, const std::string& file);
+
+/// A model of something rigid: leaves out animations and bones, as it is at rest.
+void make_rigid(Model& model, const std::string& file);
 
 }  // namespace taut::scenes

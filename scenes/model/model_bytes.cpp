@@ -113,17 +113,36 @@ bool pass_bone(Bytes& bytes, Kept& bone) {
 }
 
 template <typename Bytes, typename Kept>
+bool pass_each(Bytes& bytes, Kept& list, const auto& pass_one) {
+  constexpr std::size_t empty_name = sizeof(std::uint64_t);
+  return bytes.count(list, empty_name) &&
+         std::ranges::all_of(list, [&](auto& one) { return pass_one(bytes, one); });
+}
+
+template <typename Bytes, typename Kept>
+bool pass_track(Bytes& bytes, Kept& track) {
+  return bytes.plain(&track.bone, 1) && bytes.plain(&track.of, 1) &&
+         bytes.plain(&track.between, 1) && pass_list(bytes, track.times) &&
+         pass_list(bytes, track.values);
+}
+
+template <typename Bytes, typename Kept>
+bool pass_animation(Bytes& bytes, Kept& animation) {
+  return pass_list(bytes, animation.name) &&
+         pass_each(bytes, animation.tracks, [](auto& b, auto& m) { return pass_track(b, m); });
+}
+
+template <typename Bytes, typename Kept>
 bool pass(Bytes& bytes, Kept& model) {
   const auto each = [&](auto& list, const auto& pass_one) {
-    constexpr std::size_t empty_name = sizeof(std::uint64_t);
-    return bytes.count(list, empty_name) &&
-           std::ranges::all_of(list, [&](auto& one) { return pass_one(bytes, one); });
+    return pass_each(bytes, list, pass_one);
   };
   return pass_list(bytes, model.name) &&
          each(model.textures, [](auto& b, auto& m) { return pass_texture(b, m); }) &&
          each(model.materials, [](auto& b, auto& m) { return pass_material(b, m); }) &&
          each(model.meshes, [](auto& b, auto& m) { return pass_mesh(b, m); }) &&
          each(model.bones, [](auto& b, auto& m) { return pass_bone(b, m); }) &&
+         each(model.animations, [](auto& b, auto& m) { return pass_animation(b, m); }) &&
          each(model.left_out, [](auto& b, auto& m) { return pass_list(b, m); });
 }
 
@@ -157,6 +176,15 @@ bool is_sound(const Texture& texture) {
          (small == 9728 || small == 9729 || (small >= 9984 && small <= 9987));
 }
 
+bool is_sound(const BoneTrack& track, std::size_t bones) {
+  const std::size_t parts = track.between == BoneTrack::Between::cubic ? 3 : 1;
+  return track.bone < bones && track.of <= BoneTrack::Of::rotation &&
+         track.between <= BoneTrack::Between::cubic && !track.times.empty() &&
+         track.values.size() == track.times.size() * track.size() * parts &&
+         std::ranges::all_of(track.times, [](double t) { return std::isfinite(t); }) &&
+         std::ranges::is_sorted(track.times) && is_finite(track.values);
+}
+
 bool is_sound(const Model& model) {
   const auto texture = [](const Texture& t) { return is_sound(t); };
   const auto material = [&](const Material& m) {
@@ -173,7 +201,12 @@ bool is_sound(const Model& model) {
     return b.parent >= -1 && b.parent < &b - model.bones.data() && b.rest.position.allFinite() &&
            b.rest.rotation.coeffs().allFinite() && b.inverse_bind.allFinite();
   };
-  return model.bones.size() <= model_limits::bones && std::ranges::all_of(model.bones, bone) &&
+  const auto animation = [&](const Animation& a) {
+    return std::ranges::all_of(
+        a.tracks, [&](const BoneTrack& track) { return is_sound(track, model.bones.size()); });
+  };
+  return std::ranges::all_of(model.animations, animation) &&
+         model.bones.size() <= model_limits::bones && std::ranges::all_of(model.bones, bone) &&
          std::ranges::all_of(model.textures, texture) &&
          std::ranges::all_of(model.materials, material) && std::ranges::all_of(model.meshes, mesh);
 }

@@ -21,6 +21,7 @@ namespace taut::scenes {
 namespace {
 
 constexpr std::size_t corner_limit = 256;  // of one face
+constexpr std::size_t kUnknown = 16;       // words that start statements: more are no OBJ file
 
 template <typename Number>
 std::optional<Number> parse(std::string_view word) {
@@ -74,12 +75,12 @@ class ObjCheck {
       const auto words = words_of(line);
       if (!words.empty() && words[0][0] != '#') statement(words);
     }
+    if (faces_ == 0 && !unknown_.empty()) fail_unknown(*unknown_.begin());
     if (faces_ == 0) throw bad_asset(file_, "has no faces");
-    for (const auto& [word, found] : left_out_) {
-      out_.left_out.push_back(fmt::format("{} ({} statement{} \"{}\", first in line {})",
-                                          kLeftOut.at(word), found.count,
-                                          found.count == 1 ? "" : "s", word, found.line));
-    }
+    for (const auto& [word, found] : left_out_) say_left_out(kLeftOut.at(word), word, found);
+    for (const auto& [word, found] : unknown_) say_left_out("unknown", word, found);
+    if (lone_corners_.count > 0)
+      say_left_out("faces of fewer than three corners", "f", lone_corners_);
     std::ranges::copy(materials_.left_out(), std::back_inserter(out_.left_out));
     out_.materials = materials_.text();
     out_.textures = materials_.take();
@@ -95,12 +96,25 @@ class ObjCheck {
     throw bad_asset(file_, fmt::format("line {}: {}", line_, cause));
   }
 
+  void say_left_out(std::string_view what, std::string_view word, const Found& found) {
+    out_.left_out.push_back(fmt::format("{} ({} statement{} \"{}\", first in line {})", what,
+                                        found.count, found.count == 1 ? "" : "s", word,
+                                        found.line));
+  }
+
+  [[noreturn]] void fail_unknown(const std::pair<const std::string, Found>& unknown) {
+    line_ = unknown.second.line;
+    fail(fmt::format("unknown statement \"{}\"", unknown.first));
+  }
+
+  void note(Found& found) const {
+    if (found.count++ == 0) found.line = line_;
+  }
+
   void statement(const std::vector<std::string_view>& words) {
     static const std::set<std::string_view> harmless = {"o", "g", "s", "usemtl"};
     if (const auto other = kLeftOut.find(words[0]); other != kLeftOut.end()) {
-      Found& found = left_out_[other->first];
-      if (found.count++ == 0) found.line = line_;
-      return;
+      return note(left_out_[other->first]);
     }
     if (words[0] == "mtllib") return library(words);
     if (words[0] == "v") {
@@ -110,10 +124,16 @@ class ObjCheck {
     } else if (words[0] == "vn") {
       numbers(words, 3, 3), ++normals_;
     } else if (words[0] == "f") {
+      if (words.size() < 4) return note(lone_corners_);
       face(words);
     } else {
       const auto known = harmless.find(words[0]);
-      if (known == harmless.end()) fail(fmt::format("unknown statement \"{}\"", words[0]));
+      if (known == harmless.end()) {
+        const auto unknown = unknown_.try_emplace(std::string(words[0])).first;
+        note(unknown->second);
+        if (unknown_.size() > kUnknown) fail_unknown(*unknown);
+        return;
+      }
       if (*known != "s") count(*known);
     }
     out_.text.append(words_from(words, 0)) += '\n';
@@ -200,6 +220,8 @@ class ObjCheck {
   ObjMaterials materials_{file_, files_};
   std::size_t line_ = 1, faces_ = 0;
   std::map<std::string_view, Found> left_out_;
+  std::map<std::string, Found> unknown_;  // by the word that starts it
+  Found lone_corners_;
   std::map<std::string_view, std::size_t> seen_;  // statements of each kind
   std::int64_t points_ = 0, textures_ = 0, normals_ = 0;
 };

@@ -75,6 +75,7 @@ void ObjMaterials::add(const std::string& library, std::string_view text) {
     if (words[0] == "Kd" || words[0] == "Pr" || words[0] == "Pm") add_numbers(words, where);
     if (words[0] == "map_Kd") add_picture(library, words, material, where);
     if (const auto other = others.find(words[0]); other != others.end()) ++left[*other];
+    if (words[0] == "d" && words[1] != "1" && !words[1].starts_with("1.")) ++left["d"];
   }
   for (const auto& [word, count] : left) {
     left_out_.push_back(fmt::format("{} ({}, {} of them)", word, library, count));

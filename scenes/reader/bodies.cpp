@@ -69,11 +69,10 @@ std::shared_ptr<const Path> read_driver(const Document& document, const Value& d
                                         Motions& motions) {
   if (const Value* path = driver.find("path")) return motions.path(*path);
   if (driver.find("bone")) return motions.bone(driver);
-  const Value* characters = document.root.find("characters");
   const std::size_t index = motions.character_named(*driver.find("character"));
   if (!driver.find("hand"))
     document.fail(driver, "hand is missing, expected one of: right; or a bone");
-  return motions.path(*characters->children[index].find("right_hand"));
+  return motions.hand(index);
 }
 
 Body read_body(const Document& document, const Value& value, Motions& motions) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "scenes/character/animated.h"
+#include "scenes/character/bone_names.h"
 #include "scenes/character/character.h"
 #include "scenes/model/load_model.h"
 #include "scenes/reader/paths.h"
@@ -13,6 +15,36 @@ namespace {
 /// A character's performance is worked out as a whole, beforehand; a longer one would fill a
 /// machine's memory.
 constexpr double kLongestPerformance = 600;  // s
+
+/// The figure's names of bones, and the model's, as a table says them.
+BoneNames read_bone_names(const Document& document, const Value& table) {
+  static const Names known(known_bones());
+  BoneNames names;
+  for (const Value& member : table.children) {
+    Value name = member;  // the key itself is what is looked for
+    name.text = member.name;
+    name.place = member.key_place;
+    known.index_of(document, name, "bone");
+    names.emplace_back(member.name, member.text);
+  }
+  return names;
+}
+
+/// The model of a character, in metres and with the figure's names of bones. Throws BadAsset too.
+std::shared_ptr<Model> read_figure(const Document& document, const Value& character) {
+  const Value& mesh = *character.find("mesh");
+  const Value* names = character.find("bones");
+  const bool listed = names && names->kind == Value::Kind::table;
+  const BoneNames of_table = listed ? read_bone_names(document, *names) : BoneNames();
+  const FoundFile found = find_asset(document, mesh);
+  return with_place(document, mesh, [&] {
+    auto model = std::make_shared<Model>(load_model(found.file, found.within));
+    if (const Value* scale = character.find("scale")) enlarge(*model, scale->number);
+    if (names && !listed) rename_bones(*model, mixamo_names(*model));
+    if (listed) with_place(document, *names, [&] { rename_bones(*model, of_table); });
+    return model;
+  });
+}
 
 /// The stick that hangs by a chain from the body of that name, or none.
 std::optional<FreeStick> read_free_stick(const Document& document, const Value& held) {
@@ -37,21 +69,51 @@ std::optional<FreeStick> read_free_stick(const Document& document, const Value& 
   return {};
 }
 
+/// The body that the character of that name holds, with a shape; null where it holds none.
+const Value* find_held(const Document& document, const Value& character) {
+  const Value* bodies = document.root.find("bodies");
+  const Value* held = nullptr;
+  if (!bodies) return held;
+  for (const Value& body : bodies->children) {
+    const Value* driver = body.find("driven_by");
+    if (!driver || !driver->find("hand") || !body.find("shape")) continue;
+    if (text_or(*driver, "character", "") == character.name) held = &body;
+  }
+  return held;
+}
+
+double held_diameter(const Value* held, double fallback) {
+  return held ? number_or(held->find("shape")->children.front(), "diameter", fallback) : fallback;
+}
+
 /// The stick that the character of that name holds; the path alone where it holds none.
 HeldStick read_held_stick(const Document& document, const Value& character,
                           const Motions& motions) {
   HeldStick stick{motions.path(*character.find("right_hand"))};
-  const Value* bodies = document.root.find("bodies");
-  if (!bodies) return stick;
-  for (const Value& body : bodies->children) {
-    const Value* driver = body.find("driven_by");
-    const Value* shape = body.find("shape");
-    if (!driver || !driver->find("hand")) continue;
-    if (text_or(*driver, "character", "") != character.name || !shape) continue;
-    stick.diameter = number_or(shape->children.front(), "diameter", stick.diameter);
-    stick.free = read_free_stick(document, body);
+  if (const Value* held = find_held(document, character)) {
+    stick.diameter = held_diameter(held, stick.diameter);
+    stick.free = read_free_stick(document, *held);
   }
   return stick;
+}
+
+/// How the animation of a character is played.
+Playback read_playback(const Document& document, const Value& table, const Model& model) {
+  if (model.animations.empty())
+    document.fail(table, fmt::format("{} has no animation that moves it", model.name));
+  Playback playback;
+  if (const Value* name = table.find("name")) {
+    std::vector<std::string_view> names;
+    for (const Animation& animation : model.animations) names.push_back(animation.name);
+    playback.animation = Names(names).index_of(document, *name, "animation");
+  }
+  playback.from = number_or(table, "from", 0);
+  playback.speed = number_or(table, "speed", 1);
+  playback.place.position = vec3_or(table, "position", Vec3::Zero());
+  if (const Value* turn = table.find("rotation")) {
+    playback.place.rotation = rotation(document, *turn);
+  }
+  return playback;
 }
 
 /// How the head turns, as make_performance() wants it.
@@ -108,9 +170,16 @@ Character Motions::act(const Value& character) const {
   if (duration.number > kLongestPerformance) {
     document_.mismatch(duration, fmt::format("at most {} s with characters", kLongestPerformance));
   }
-  const FoundFile found = find_asset(document_, mesh);
+  const std::shared_ptr<Model> model = read_figure(document_, character);
+  if (const Value* animation = character.find("animation")) {
+    const Playback playback = read_playback(document_, *animation, *model);
+    const double diameter = held_diameter(find_held(document_, character), 0);
+    return with_place(document_, mesh, [&] {
+      return Character{model, play_animation(model, playback, diameter)};
+    });
+  }
+  leave_out_animations(*model, mesh.text);
   return with_place(document_, mesh, [&] {
-    const auto model = std::make_shared<const Model>(load_model(found.file, found.within));
     const HeldStick stick = read_held_stick(document_, character, *this);
     const Value* keys = character.find("head");
     std::optional<Path> head;
@@ -125,11 +194,31 @@ void Motions::check_characters() const {
   if (!characters) return;
   for (const Value& character : characters->children) {
     const Value& mesh = *character.find("mesh");
+    if (const Value* animation = character.find("animation")) {
+      read_playback(document_, *animation, *read_figure(document_, character));
+      continue;
+    }
     const HeldStick stick = read_held_stick(document_, character, *this);
     if (const Value* keys = character.find("head")) read_head(document_, *keys);
-    const FoundFile found = find_asset(document_, mesh);
-    with_place(document_, mesh, [&] { check_figure(load_model(found.file, found.within), stick); });
+    const std::shared_ptr<const Model> model = read_figure(document_, character);
+    with_place(document_, mesh, [&] { check_figure(*model, stick); });
   }
+}
+
+std::shared_ptr<const Path> Motions::hand(std::size_t index) {
+  const Value& value = document_.root.find("characters")->children.at(index);
+  if (const Value* name = value.find("right_hand")) return path(*name);
+  auto& path = hands_[index];
+  if (!path) {
+    const Character& found = character(index);
+    const double diameter = held_diameter(find_held(document_, value), HeldStick().diameter);
+    const double duration = document_.root.find("duration")->number;
+    path = with_place(document_, *value.find("mesh"), [&] {
+      return std::make_shared<const Path>(
+          held_path(*found.performance, *found.model, diameter, duration));
+    });
+  }
+  return path;
 }
 
 std::shared_ptr<const Path> Motions::bone(const Value& table) {

@@ -31,6 +31,8 @@ class Motions {
   const Value& path_value(const Value& name) const;
   /// The path of the bone that a table's `character` and `bone` name.
   std::shared_ptr<const Path> bone(const Value& table);
+  /// The path of what a character, in the order of the file, holds in its right hand.
+  std::shared_ptr<const Path> hand(std::size_t index);
   /// A character, in the order of the file: read and acted out when it is first asked for.
   const Character& character(std::size_t index);
   std::size_t characters() const { return character_names_.size(); }
@@ -44,6 +46,7 @@ class Motions {
   std::vector<std::shared_ptr<const Path>> paths_;  // as they follow each other in the file
   Names path_names_, body_names_, character_names_;
   std::map<std::size_t, Character> characters_;
+  std::map<std::size_t, std::shared_ptr<const Path>> hands_;  // of those with an animation
   std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Path>> bones_;
 };
 

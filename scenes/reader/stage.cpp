@@ -31,7 +31,9 @@ class Models {
     ModelPointer& model = loaded_[found.file];
     if (!model) {
       model = with_place(document_, value, [&] {
-        return std::make_shared<const Model>(load_model(found.file, found.within));
+        auto loaded = std::make_shared<Model>(load_model(found.file, found.within));
+        make_rigid(*loaded, found.file.string());
+        return ModelPointer(std::move(loaded));
       });
     }
     return model;

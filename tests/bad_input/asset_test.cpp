@@ -52,7 +52,7 @@ TEST(BadAsset, EveryFaultIsNamedWithItsPlace) {
   expect("a directory", "folder.glb", "not a directory");
   expect_file("empty", "a.glb", "", "empty file");
   expect_file("truncated", "a.glb", whole.substr(0, whole.size() / 2), "a.glb");
-  expect_file("another format", "a.fbx", "x", "expected .glb, .gltf or .obj");
+  expect_file("another format", "a.fbx", "x", "expected .glb, .gltf, .obj or .bvh");
   folder.write("home/big.glb", "glTF");
   std::filesystem::resize_file(home / "big.glb", std::uintmax_t{1} << 30);  // sparse
   expect("sparse, 1 GiB", "big.glb", "larger than");
@@ -178,7 +178,25 @@ right_hand = "hand"
     table.add(name, simulated);
   };
   expect("no bones, simulated", "mesh = \"ball.glb\"\nright_hand = \"hand\"\n",
-         "scene.toml:5:8: characters.player.mesh: ball: has no bone");
+         "scene.toml:5:8: characters.player.mesh: ball: has no bones Hips, Spine, Head, LeftArm");
+  const std::string mesh = "mesh = \"ball.glb\"\nright_hand = \"hand\"\n";
+  expect(
+      "names of nobody", mesh + "bones = \"maximo\"\n",
+      "scene.toml:7:9: characters.player.bones: found \"maximo\", expected a table of strings, or "
+      "one of: mixamo, did you mean \"mixamo\"?");
+  expect(
+      "a bone that no figure has", mesh + "bones = { RightHnad = \"hand_r\" }\n",
+      "scene.toml:7:11: characters.player.bones.RightHnad: found \"RightHnad\", expected the name "
+      "of a bone, did you mean \"RightHand\"?");
+  expect("a bone that the model lacks",
+         mesh + "bones = { RightHand = \"hand_r\", Head = \"head\" }\n",
+         "scene.toml:7:9: characters.player.bones: ball: has no bones \"hand_r\", \"head\"");
+  expect("an animation that nobody has", "mesh = \"ball.glb\"\nanimation = {}\n",
+         "scene.toml:6:13: characters.player.animation: ball has no animation that moves it");
+  expect("a path and an animation", mesh + "animation = {}\n", "right_hand, animation");
+  folder.write("broken.bvh", "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0\n}\n");
+  expect("broken motion capture", "mesh = \"broken.bvh\"\nanimation = {}\n",
+         "broken.bvh: line 5: found \"}\", expected a number");
   expect("no such path", "mesh = \"ball.glb\"\nright_hand = \"hnad\"\n",
          "scene.toml:6:14: characters.player.right_hand: found \"hnad\"");
   expect("head that goes back in time",

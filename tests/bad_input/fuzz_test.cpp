@@ -116,17 +116,26 @@ std::vector<std::string> with_corpus(std::vector<std::string> inputs) {
 }
 
 std::vector<std::string> glbs() {
-  return with_corpus({skinned().bytes(), triangle().bytes()});
+  return with_corpus({skinned().bytes(), triangle().bytes(), animated().bytes()});
 }
 
 std::vector<std::string> gltfs() {
   std::vector<std::string> inputs;
-  for (Gltf g : {skinned(), triangle()}) {
+  for (Gltf g : {skinned(), triangle(), animated()}) {
     g.json["buffers"][0] = {{"uri", "data:application/octet-stream;base64," + base64(g.binary)},
                             {"byteLength", g.binary.size()}};
     inputs.push_back(g.json.dump());
   }
   return with_corpus(inputs);
+}
+
+std::vector<std::string> bvhs() {
+  return with_corpus(
+      {"HIERARCHY\nROOT Hips\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition "
+       "Zposition Zrotation Xrotation Yrotation\nJOINT Head\n{\nOFFSET 0 1 0\n"
+       "CHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n}\n"
+       "MOTION\nFrames: 2\nFrame Time: 0.1\n0 1 2 10 20 30 40 50 60\n"
+       "0 1 2 10 20 30 40 50 60\n"});
 }
 
 std::vector<std::string> objs() {
@@ -236,26 +245,13 @@ std::vector<std::string> tables() {
 
 /// The inputs of a reader, from which others are made.
 const std::map<std::string_view, std::vector<std::string> (*)()> kInputs = {
-    {"Scene", scenes},
-    {"Stage", stages},
-    {"Set", sets},
-    {"Glb", glbs},
-    {"Gltf", gltfs},
-    {"Obj", objs},
-    {"Materials", materials},
-    {"Image", images},
-    {"PathCsv", paths},
-    {"GoldenRecord", goldens},
-    {"GoldenTrajectory", trajectories},
-    {"GoldenSuite", suites},
-    {"Plan", planned},
-    {"Png", pictures},
-    {"Words", words},
-    {"Journal", journals},
-    {"Frames", frames},
-    {"Record", records},
-    {"Times", times},
-    {"Table", tables}};
+    {"Scene", scenes},       {"Stage", stages},         {"Set", sets},
+    {"Glb", glbs},           {"Gltf", gltfs},           {"Obj", objs},
+    {"Bvh", bvhs},           {"Materials", materials},  {"Image", images},
+    {"PathCsv", paths},      {"GoldenRecord", goldens}, {"GoldenTrajectory", trajectories},
+    {"GoldenSuite", suites}, {"Plan", planned},         {"Png", pictures},
+    {"Words", words},        {"Journal", journals},     {"Frames", frames},
+    {"Record", records},     {"Times", times},          {"Table", tables}};
 
 #ifdef TAUT_SANITIZED
 constexpr double kPatience = 50;  // s of CPU time for one input

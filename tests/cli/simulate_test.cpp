@@ -126,6 +126,41 @@ TEST(Simulate, JsonSaysWhatWasDone) {
   EXPECT_TRUE(json.at("energy_drift").is_null()) << "the hand does work";
 }
 
+TEST(Simulate, SweepsAKeyOfTheScene) {
+  const Folder folder;
+  folder.write("swing.toml", kShortSwing);
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"simulate", "swing.toml", "--no-estimate", "-q"});
+    return run_taut(arguments, folder.path());
+  };
+  const ProgramResult swept =
+      run({"--sweep", "connectors.rope.length=0.1:0.3:3", "--csv", "lengths", "--json"});
+  ASSERT_EQ(swept.code, 0) << swept.messages;
+  const nlohmann::json list = nlohmann::json::parse(swept.output);
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[1]["swept"], (nlohmann::json{{"key", "connectors.rope.length"}, {"value", 0.2}}));
+  EXPECT_NE(list[0]["state_hash"], list[1]["state_hash"]);
+  for (const char* value : {"0.1", "0.2", "0.3"}) {
+    const auto file = "lengths/connectors.rope.length=" + std::string(value) + ".csv";
+    const ProgramResult alone = run({"--set", "connectors.rope.length=" + std::string(value)});
+    EXPECT_EQ(read_file(folder.path() / file), alone.output) << value;
+  }
+  const ProgramResult whole = run({"--sweep", "connectors.rope.particles=3:5:3", "--json"});
+  EXPECT_EQ(whole.code, 0) << whole.messages;
+
+  const auto says = [&](const char* sweep, const char* message) {
+    const ProgramResult outcome = run({"--sweep", sweep, "--json"});
+    EXPECT_EQ(outcome.code, 2) << sweep;
+    EXPECT_NE(outcome.messages.find(message), std::string::npos) << outcome.messages;
+  };
+  for (const char* wrong : {"length", "=1:2:3", "a=1:2", "a=1:2:0", "a=1:2:1.5", "a=1:2:3:4",
+                            "a=x:2:3", "a=1:2:1e9", "a=nan:1:2", "a=:1:2"})
+    says(wrong, "expected KEY=FROM:UNTIL:COUNT");
+  EXPECT_EQ(run({"--sweep", "duration=0.1:0.2:2"}).code, 2);  // nowhere to write
+  EXPECT_EQ(run({"--sweep", "duration=0.1:0.2:2", "--csv", "a.csv"}).code, 2);
+  EXPECT_EQ(run({"--sweep", "duration=0.1:0.2:2", "--json", "--forces", "a.csv"}).code, 2);
+}
+
 TEST(Simulate, JsonSaysHowConnectorsThatTouchWind) {
   const Folder folder;
   folder.write("scene.toml", R"(duration = 0.1

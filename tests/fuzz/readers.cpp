@@ -200,6 +200,7 @@ constexpr Reader kReaders[] = {
     {"Glb", [](std::string_view bytes) { read_model("fuzz.glb", bytes); }},
     {"Gltf", [](std::string_view bytes) { read_model("fuzz.gltf", bytes); }},
     {"Obj", [](std::string_view bytes) { read_model("fuzz.obj", bytes); }},
+    {"Bvh", [](std::string_view bytes) { read_model("fuzz.bvh", bytes); }},
     {"Materials", read_materials},
     {"Image", read_image},
     {"PathCsv",

@@ -31,7 +31,7 @@ std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vect
   std::vector<ContactCapsule> capsules;
   for (std::size_t i = 0; i < bones.size(); ++i) {
     const scenes::Bone& bone = character.bones[i];
-    if (bone.parent < 0 || bone.name.find("Toe") == std::string::npos) continue;
+    if (bone.parent < 0 || !bone.name.ends_with("ToeBase")) continue;
     const Vec3 ankle = bones[std::size_t(bone.parent)].position, ball = bones[i].position;
     const Vec3 ahead = bones[i].rotation * toes_ahead(character, i);
     capsules.push_back({ankle, ball, kFoot});
@@ -45,7 +45,7 @@ std::vector<ContactCapsule> shins(const scenes::Model& character, const std::vec
   std::vector<ContactCapsule> capsules;
   for (std::size_t i = 0; i < bones.size(); ++i) {
     const int ankle = character.bones[i].parent;
-    if (ankle < 0 || character.bones[i].name.find("Toe") == std::string::npos) continue;
+    if (ankle < 0 || !character.bones[i].name.ends_with("ToeBase")) continue;
     const int knee = character.bones[std::size_t(ankle)].parent;
     if (knee < 0) continue;
     capsules.push_back(

@@ -160,7 +160,8 @@ TEST(CharacterGrip, AModelWithoutABoneIsRefusedByName) {
     scenes::make_performance(broken, {still(Vec3(-0.28, 1.05, 0.45), Vec3::UnitX()), 0.028}, 1);
     FAIL() << "accepted";
   } catch (const scenes::BadAsset& error) {
-    EXPECT_STREQ(error.what(), "martial_artist: has no bone \"RightForeArm\"");
+    EXPECT_EQ(std::string(error.what()).find("martial_artist: has no bone RightForeArm; "), 0u)
+        << error.what();
   }
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 scenes::Model small() {
   scenes::NamedFiles none;
-  return *scenes::import_model("small.glb", skinned().bytes(), none);
+  return *scenes::import_model("small.glb", animated().bytes(), none);
 }
 
 TEST(ModelBytes, ComeBackToTheBit) {
@@ -55,6 +55,10 @@ TEST(ModelBytes, WhatPointsAtNothingIsRefused) {
   EXPECT_TRUE(refused([](scenes::Model& m) { m.bones[0].parent = 0; }));
   EXPECT_TRUE(refused([](scenes::Model& m) { m.bones[0].parent = -2; }));
   EXPECT_TRUE(refused([](scenes::Model& m) { m.bones.resize(257); }));
+  EXPECT_TRUE(refused([](scenes::Model& m) { m.animations[0].tracks[0].bone = 4; }));
+  EXPECT_TRUE(refused([](scenes::Model& m) { m.animations[0].tracks[0].values.pop_back(); }));
+  EXPECT_TRUE(refused([](scenes::Model& m) { m.animations[0].tracks[0].times[0] = 2; }));
+  EXPECT_TRUE(refused([](scenes::Model& m) { m.animations[0].tracks[1].times.clear(); }));
   const float infinite = std::numeric_limits<float>::infinity();
   EXPECT_TRUE(refused([=](scenes::Model& m) { m.meshes[0].vertices[1].position[2] = infinite; }));
   EXPECT_TRUE(refused([=](scenes::Model& m) { m.materials[0].roughness = infinite; }));

@@ -120,4 +120,21 @@ inline Gltf skinned() {
   return g;
 }
 
+/// The skinned triangle, whose root turns and whose tip moves by a spline.
+inline Gltf animated() {
+  Gltf g = skinned();
+  const auto times = g.add<float>({0, 1}, 5126, "SCALAR", 1);
+  const auto turns = g.add<float>({0, 0, 0, 1, 0, 0, 1, 0}, 5126, "VEC4", 4);
+  const auto places = g.add<float>(std::vector<float>(18, 0.5f), 5126, "VEC3", 3);
+  g.json["animations"] = {
+      {{"name", "Turn"},
+       {"samplers",
+        {{{"input", times}, {"output", turns}},
+         {{"input", times}, {"output", places}, {"interpolation", "CUBICSPLINE"}}}},
+       {"channels",
+        {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}},
+         {{"sampler", 1}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}};
+  return g;
+}
+
 }  // namespace taut

@@ -6,6 +6,7 @@
 
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
+#include "scenes/load/scene_files.h"
 #include "tests/support/folder.h"
 
 namespace taut::scene_test {
@@ -410,6 +411,24 @@ TEST(BenchScenes, AreWhatEnginesAreComparedOn) {
   const double r = 0.15, eighth = std::sqrt(0.5);
   expect_near(hand.position, {r * eighth, 1.15 - r * eighth, 0});
   EXPECT_NEAR(hand.velocity.norm(), 2 * std::numbers::pi * 1.5 * r, 1e-12);
+}
+
+TEST_F(SceneTest, IsMadeOfTheFilesThatItNames) {
+  folder_.write("hand.csv", "t,x,y,z\n0,0,1,0\n");
+  folder_.write("ball.glb", "");
+  folder_.write("base.toml", "duration = 1.0\n");
+  const auto file = folder_.write("scene.toml", R"(extends = "base.toml"
+paths.hand = { file = "hand.csv" }
+bodies.ball = { mass = 1.0, mesh = "ball.glb", inertia = [1, 1, 1] }
+bodies.none = { mass = 1.0, mesh = "none.glb" }
+[stage]
+scenery = ["ball.glb"]
+)");
+  std::vector<std::string> names;
+  for (const auto& path : scenes::scene_files(file)) names.push_back(path.filename().string());
+  EXPECT_EQ(names, (std::vector<std::string>{"scene.toml", "base.toml", "hand.csv", "ball.glb",
+                                             "ball.glb"}));
+  EXPECT_EQ(scenes::scene_files(folder_.path() / "no.toml").size(), 1u);
 }
 
 }  // namespace
