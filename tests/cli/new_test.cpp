@@ -37,7 +37,7 @@ TEST_F(NewScene, OfEveryKindHasNoWarningAndRenders) {
   }
   EXPECT_EQ(files.size(), 6u);
   std::vector<std::string> check{"check", "--json"},
-      render{"render",    "--frames", "30",         "--size",        "96x54",
+      render{"render",    "--frames", "3",          "--size",        "96x54",
              "--samples", "1",        "--no-video", "--no-estimate", "-q"};
   check.insert(check.end(), files.begin(), files.end());
   render.insert(render.end(), files.begin(), files.end());
@@ -52,7 +52,7 @@ TEST_F(NewScene, OfEveryKindHasNoWarningAndRenders) {
   const ProgramResult rendered = run(render);
   EXPECT_EQ(rendered.code, 0) << rendered.messages;
   for (const std::string& file : files)
-    EXPECT_TRUE(fs::exists(folder_.path() / "out" / fs::path(file).stem() / "frames/000030.png"))
+    EXPECT_TRUE(fs::exists(folder_.path() / "out" / fs::path(file).stem() / "frames/000003.png"))
         << file;
 }
 
