@@ -1,5 +1,5 @@
-// A clip that `taut render` is to make: the scene as the options have it, its frames, and where
-// they go.
+// A clip that `taut render` makes: its frames, their drawing and merging, single pictures of it,
+// the costs of drawing.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Methods on one scene, run and measured for a film that shows them together.
+// Methods on one scene, run, measured and judged for a film that shows them together.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,5 @@
-// Motion while the shutter is open: its extent, and the triangles that can be drawn once for all.
+// Motion while the shutter is open: how exposures differ, the extent of what moves on the
+// screen, and the triangles that are drawn once for all.
 #pragma once
 
 #include <Eigen/Core>

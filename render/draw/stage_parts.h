@@ -1,4 +1,4 @@
-// The parts that a stage's pictures are made with.
+// The parts that a stage's pictures are made with, those that move among them.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Trajectories as tables: a row for each frame.
+// Trajectories, forces and events as tables.
 #pragma once
 
 #include <memory>

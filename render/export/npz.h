@@ -1,4 +1,4 @@
-// Trajectories as arrays, as numpy.load() reads them.
+// Trajectories as arrays for numpy.load(), in a zip archive.
 #pragma once
 
 #include <bit>

@@ -1,5 +1,5 @@
-// Captions: quiet lines of text at the lower left, within the title-safe nine tenths of the
-// picture. A soft shadow of the letters sets them off from whatever is behind.
+// Captions and cards: quiet text at the lower left, within the title-safe nine tenths; headings
+// on a ground of their own.
 #pragma once
 
 #include <limits>

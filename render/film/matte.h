@@ -1,4 +1,4 @@
-// Opacity, found from two pictures of the same thing.
+// Pictures made of several: opacity from two, a contact sheet from many.
 #pragma once
 
 #include <span>

@@ -1,4 +1,5 @@
-// Owners of OpenGL objects: programs, buffers, textures, framebuffers.
+// Owners of OpenGL objects (programs, buffers, textures, framebuffers) and the time that drawing
+// takes.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// Golden pictures: the record of a frame, and the comparison of today's picture with it.
+// Golden pictures: the record of a frame, today's picture compared with it, and the page that
+// shows both.
 #pragma once
 
 #include <filesystem>

@@ -9,6 +9,7 @@
 
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
+#include "render/program/help.h"
 #include "scenes/format/document.h"
 #include "scenes/format/format.h"
 #include "scenes/load/load_scene.h"

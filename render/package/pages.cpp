@@ -8,6 +8,7 @@
 
 #include "render/cli/commands.h"
 #include "render/program/command.h"
+#include "render/program/help.h"
 #include "sim/run/method.h"
 
 namespace taut::package {

@@ -1,4 +1,4 @@
-// A picture in memory, and PNG files.
+// A picture in memory, rectangles of its pixels, and PNG files.
 #pragma once
 
 #include <algorithm>

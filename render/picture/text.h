@@ -1,4 +1,4 @@
-// Lines of text on a picture, with a real font.
+// Text, flat shapes and lines on a picture.
 #pragma once
 
 #include <array>

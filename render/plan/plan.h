@@ -1,4 +1,4 @@
-// Finding the plan of a scene.
+// taut plan: the models to choose from, the search, and the report on the plan found.
 #pragma once
 
 #include <cmath>

@@ -2,7 +2,6 @@
 // parser's library, which takes seconds of every file that includes it, stays behind command.cpp.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,29 +11,6 @@
 
 #include "render/program/output.h"
 #include "sim/motion/printable.h"
-
-namespace taut::program {
-
-// How --help looks: lines of at most 100 letters.
-
-std::shared_ptr<CLI::Formatter> help_format();
-
-/// A name and, from a column on, its description, broken between words.
-std::string help_entry(const std::string& name, const std::string& description);
-
-/// The name of an option's value, in capitals: the option's own if none is better; none for flags.
-std::string value_of(const CLI::Option& option);
-
-// Which frames of a clip are asked for.
-
-/// Reads "A-B,C": frame numbers and inclusive ranges, each below `total`; rising, without repeats.
-/// No text means every frame. Throws Misuse.
-std::vector<int> frame_list(const std::optional<std::string>& text, int total);
-
-/// Reads "WxH". Throws Misuse.
-std::pair<int, int> picture_size(const std::string& text);
-
-}  // namespace taut::program
 
 namespace CLI {
 class App;
@@ -111,5 +87,14 @@ class Command {
 /// Adds a command with the common options. `examples` ends its --help.
 Command add_command(CLI::App& app, Program& program, const std::string& name,
                     const std::string& summary, const std::string& examples);
+
+// Which frames of a clip are asked for.
+
+/// Reads "A-B,C": frame numbers and inclusive ranges, each below `total`; rising, without repeats.
+/// No text means every frame. Throws Misuse.
+std::vector<int> frame_list(const std::optional<std::string>& text, int total);
+
+/// Reads "WxH". Throws Misuse.
+std::pair<int, int> picture_size(const std::string& text);
 
 }  // namespace taut::program

@@ -1,4 +1,4 @@
-// Work that several processes share out, each a part of it, and the merge of what they did.
+// Work that several processes share, and the journal by which a stopped study goes on.
 #pragma once
 
 #include <cstdint>

@@ -22,6 +22,7 @@
 #include "render/base/interrupt.h"
 #include "render/base/version.h"
 #include "render/program/command.h"
+#include "render/program/help.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
 #include "scenes/files/error.h"

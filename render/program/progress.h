@@ -1,5 +1,4 @@
-// Progress of long work on standard error: one live line on a terminal, a plain line now and then
-// elsewhere (a log, a pipe).
+// Progress of long work on standard error, and the terminal it is written to.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// The results of `taut bench` as tables, a chart and JSON.
+// taut bench and taut claims: measurements, and their results as tables, a chart and JSON.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Scoring many settings of many methods within a given time.
+// Scores of many settings within a given time; the estimate of one run's own error.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// The runs behind stability maps: all of them, those of a part, and the merge of parts.
+// Stability maps: their axes, the runs behind them, tables, charts and a page.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A hand closed around a stick.
+// Hands: bones and skin of fingers, thumb and palm; a hand closed around a stick, an empty fist.
 #pragma once
 
 #include <array>

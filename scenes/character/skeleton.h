@@ -1,4 +1,4 @@
-// The bones of a model at rest, and forward kinematics by turns away from it.
+// The bones of a model at rest, poses over time, and forward kinematics.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// Reading files whole, with a limit.
+// Reading files and standard input whole, with a limit.
 #pragma once
 
 #include <filesystem>

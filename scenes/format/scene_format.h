@@ -1,5 +1,4 @@
-// Keys that the parts of the scene format have in common, and those parts that have a file of their
-// own.
+// The keys of scene files, table by table: type, unit, range and meaning.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// All that is wrong with a scene, for people who mend it.
+// taut check: all faults of a scene, and warnings of likely mistakes.
 #pragma once
 
 #include <cstddef>

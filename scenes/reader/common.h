@@ -1,4 +1,5 @@
-// Reading that all parts of a scene file share: names, files, and members that may be left out.
+// Reading that all parts of a scene file share: names, files, members that may be missing,
+// repeated connectors.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Ends of connectors that are joined to others, as a scene names them.
+// Ends of connectors that are joined, pass pulleys or belong to a winch.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// The smoothest motion of a hand, within its limits, that leads what hangs by a flat chain through
-// given points.
+// The smoothest motion of a hand, within its limits, that leads what hangs by a flat chain
+// through given points.
 #pragma once
 
 #include <cmath>

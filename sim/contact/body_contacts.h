@@ -1,5 +1,5 @@
-// Contact of free bodies as games do it: capsules inside of obstacles, of each other or of beads
-// are moved out, and rubbed.
+// Contacts of free bodies: candidate pairs, the response of bodies to impulses, and contact
+// solved one after another for `xpbd` and `springs`.
 #pragma once
 
 #include <Eigen/Core>

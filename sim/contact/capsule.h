@@ -1,4 +1,5 @@
-// Where a capsule may touch a convex solid, and how deep anything is in an obstacle.
+// Distances: a capsule and a convex solid, two capsules; depths in obstacles; candidate pairs of
+// links.
 #pragma once
 
 #include <array>

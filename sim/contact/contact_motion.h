@@ -1,4 +1,5 @@
-// The smooth motion of links whose beads touch obstacles, and the events that end it.
+// The smooth motion of links whose beads touch obstacles, the events that end it, and the linear
+// systems of its links' impulses.
 #pragma once
 
 #include <array>

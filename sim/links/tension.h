@@ -1,4 +1,4 @@
-// The linear systems whose solution is the tensions of all rows at once.
+// Tensions: the linear systems of all rows at once, and the pull at winches.
 #pragma once
 
 #include <Eigen/Cholesky>

@@ -1,5 +1,5 @@
-// The planner: of many models and settings, the one that takes the least work and that nobody can
-// tell from the reference solution.
+// The planner: of many models and settings, the cheapest that stays within a tolerance of the
+// reference solution.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// The parts of a world that move without each other.
+// The parts of a world that move without each other, and the pieces of connectors that are cut.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,5 @@
-// Connectors whose length changes: a winch at an end pays rope out or takes it in.
+// Connectors whose length changes: a winch at an end pays rope out or takes it in; pulleys that
+// rope passes.
 #pragma once
 
 #include <array>

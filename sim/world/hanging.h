@@ -1,4 +1,4 @@
-// The catenary of a discrete chain.
+// The catenary of a discrete chain, and links brought back to their lengths.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Obstacles, which connectors touch: a shape in the world, fixed or on a path.
+// Convex shapes as signed distances, and obstacles: a shape in the world, fixed or on a path.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The light that a stage's scenery throws back, gathered from pictures of it.
+// The light that a stage's scenery throws back, gathered from pictures of it around a point.
 #pragma once
 
 #include <Eigen/Geometry>

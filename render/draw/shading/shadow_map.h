@@ -1,4 +1,5 @@
-// The shadow map: depth of the nearest caster along the key light.
+// Shadows of the key light: its depth map, the shadows of scenery, and the triangles that
+// shadows of moving things reach.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-// Step control: how far each step goes, and what becomes of one that fails.
+// Step control: its constants, how far each step goes, and why one fails.
 #pragma once
 
 #include <limits>

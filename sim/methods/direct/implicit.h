@@ -1,4 +1,4 @@
-// The integrator of worlds in which features stand together: implicit steps under error control.
+// Worlds of any combination of features: one implicit step of them, and its error control.
 #pragma once
 
 #include <array>

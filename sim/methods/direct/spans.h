@@ -1,4 +1,5 @@
-// Massless spans by the direct method: free while slack, one rigid link while taut.
+// Massless spans by the direct method: free while slack, one rigid link while taut; strings of
+// one link for implicit steps.
 #pragma once
 
 #include <cstddef>
