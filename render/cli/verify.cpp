@@ -182,10 +182,10 @@ void add_verify(CLI::App& app, program::Program& program) {
   taut verify --methods direct,truth,xpbd
   taut verify --methods direct --set tolerance=1e-6 --page verify.html --csv verify.csv
 
-A case is a folder with scene.toml and answer.csv: rows of time,quantity,value,tolerance, which theory
-gives. A method passes if every error is within its tolerance. Exit code 1: one does not. CASE is such
-a folder, or a folder of them; default: tests/answers. A method that does not follow a feature of the
-scene is not run.
+A case is a folder with scene.toml and answer.csv: rows of time,quantity,value,tolerance, which
+theory gives. A method passes if every error is within its tolerance. Exit code 1: one does not.
+CASE is such a folder, or a folder of them; default: tests/answers. A method that does not follow a
+feature of the scene is not run.
 
 )" + std::string(studies::kQuantitiesHelp));
   const auto options = std::make_shared<Options>();

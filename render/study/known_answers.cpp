@@ -328,6 +328,15 @@ std::string heading_of(const std::string& text) {
   return heading;
 }
 
+/// A quaternion and its negative are one orientation: a component has the sign that is nearer.
+double signed_as(const Answer& answer, double value) {
+  const std::size_t dot = answer.quantity.rfind('.');
+  const bool is_quaternion = dot != std::string::npos && answer.quantity.size() == dot + 3 &&
+                             answer.quantity[dot + 1] == 'q';
+  const bool is_nearer = std::abs(-value - answer.value) < std::abs(value - answer.value);
+  return is_quaternion && is_nearer ? -value : value;
+}
+
 bool is_case(const fs::path& folder) {
   std::error_code none;
   return fs::exists(folder / "scene.toml", none);
@@ -418,6 +427,7 @@ Verdict verify(const AnswerCase& of, const options::Contender& contender,
   std::vector<Quantity> quantities;
   for (const Answer& answer : of.answers)
     quantities.push_back(quantity_of(things, answer.quantity));
+  const double begun = thread_seconds();
   const WorkLimit limit({.cpu_time = cpu_cap});
   const auto ended = [&](Verdict::Kind kind, const char* why) {
     verdict.kind = kind;
@@ -434,7 +444,7 @@ Verdict verify(const AnswerCase& of, const options::Contender& contender,
       verdict.states.push_back(now.state);
       for (; i < of.answers.size() && of.answers[i].time == time; ++i) {
         const Answer& answer = of.answers[i];
-        const double value = quantities[i](now);
+        const double value = signed_as(answer, quantities[i](now));
         const double share = std::isfinite(value)
                                  ? std::abs(value - answer.value) / answer.tolerance
                                  : std::numeric_limits<double>::infinity();
@@ -448,6 +458,7 @@ Verdict verify(const AnswerCase& of, const options::Contender& contender,
     if (!(verdict.share <= 1)) verdict.kind = Verdict::Kind::fails;
   } catch (const OverLimit&) {
     if (!limit.reached()) throw;
+    verdict.cpu = std::max(verdict.cpu, thread_seconds() - begun);
     ended(Verdict::Kind::over_cap, "more CPU time than --cap");
   } catch (const Diverged& error) {
     ended(Verdict::Kind::diverged, error.what());

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Known answers of scenes, computed without taut. README.md beside this file says how.
 
     tests/answers/answers.py pendulum            writes pendulum/answer.csv

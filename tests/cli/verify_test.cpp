@@ -53,12 +53,27 @@ TEST(Answers, AreThoseOfTheMethodAndOfTheTruth) {
   EXPECT_EQ(json.at("failures"), 0);
 }
 
-TEST(LongAnswers, AreRightAtOtherParameters) {
+/// Verifies the variations of some cases, or of all.
+void expect_variations(std::vector<std::string> cases) {
   const Folder folder;
-  const ProgramResult outcome = compute({"--vary", folder.path()});
+  cases.insert(cases.begin(), {"--vary", folder.path()});
+  const ProgramResult outcome = compute(cases);
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
-  const ProgramResult verified = run_taut({"verify", folder.path(), "--failures", "-q"});
+  const ProgramResult verified =
+      run_taut({"verify", folder.path(), "--methods", "direct,truth", "--failures", "-q"});
   EXPECT_EQ(verified.code, 0) << verified.output;
+}
+
+TEST(Answers, AreRightAtOtherParameters) {
+  expect_variations({"atwood", "atwood_friction", "catenary", "cantilever_end_load",
+                     "landing_atwood", "pendulum", "physical_pendulum", "rolling_stick",
+                     "sliding_stick", "stick_on_one_end", "stick_slips_on_floor",
+                     "stick_sticks_on_end", "stopping_stick", "swinging_atwood", "terminal_speed",
+                     "winch_lift"});
+}
+
+TEST(LongAnswers, AllAreRightAtOtherParameters) {
+  expect_variations({});
 }
 
 // A program whose forces, contacts, materials or schemes were off by so much would be seen: the
@@ -94,7 +109,7 @@ TEST(Answers, SeeFaultsOfOneInAHundred) {
   }
   // A scheme that is not accurate enough.
   EXPECT_EQ(
-      run_taut({"verify", std::string(kAnswers) + "/chain_swing", "--set", "step=0.01", "-q"}).code,
+      run_taut({"verify", std::string(kAnswers) + "/chain_swing", "--set", "step=0.1", "-q"}).code,
       1);
 }
 
