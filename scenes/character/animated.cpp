@@ -97,7 +97,8 @@ Path held_path(const Performance& performance, const Model& model, double diamet
   const Vec3 along = hand_axes(skeleton, Side::right).along;
   Mat3 stick;  // its axes at rest
   stick.col(1) = grip.axis;
-  stick.col(0) = (along - along.dot(grip.axis) * grip.axis).normalized();
+  const Vec3 aside = along - along.dot(grip.axis) * grip.axis;
+  stick.col(0) = aside.norm() > 1e-9 ? aside.normalized() : grip.axis.unitOrthogonal();
   stick.col(2) = stick.col(0).cross(stick.col(1));
   std::vector<PathKey> keys;
   for (int i = 0; keys.empty() || keys.back().time < duration; ++i) {

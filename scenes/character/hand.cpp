@@ -131,10 +131,18 @@ std::string hand_name(Side side) {
 }
 
 bool has_fingers(const Skeleton& skeleton, Side side) {
-  for (const char* name : {"Thumb", "Index", "Middle", "Ring", "Pinky"})
-    for (const char* phalanx : {"1", "2", "3"})
-      if (skeleton.maybe(hand_name(side) + name + phalanx) < 0) return false;
-  return true;
+  constexpr double kLeast = 1e-6;  // m, of what has a direction
+  const auto bone = [&](const std::string& name) { return skeleton.maybe(hand_name(side) + name); };
+  const auto rest = [&](int at) { return skeleton.rest(static_cast<std::size_t>(at)); };
+  if (bone("") < 0) return false;
+  for (const std::string name : {"Thumb", "Index", "Middle", "Ring", "Pinky"}) {
+    const std::array<int, 3> joints = {bone(name + "1"), bone(name + "2"), bone(name + "3")};
+    if (std::ranges::min(joints) < 0) return false;
+    for (std::size_t k = 0; k < 2; ++k)
+      if (!((rest(joints[k]) - rest(joints[k + 1])).norm() > kLeast)) return false;
+  }
+  const Vec3 along = rest(bone("Middle1")) - rest(bone(""));
+  return (rest(bone("Index1")) - rest(bone("Pinky1"))).cross(along).norm() > kLeast * kLeast;
 }
 
 Digit::Digit(const Model& model, const Skeleton& skeleton, Side side, const std::string& name) {

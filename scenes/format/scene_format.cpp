@@ -794,7 +794,7 @@ const TableFormat& character_format() {
              animation_format()),
        {.name = "bones",
         .type = Type::names,
-        .meaning = "What the model calls its bones, by their names here; or whose names it has.",
+        .meaning = "The model's names of bones: mixamo, or a table as { Head = \"head_1\" }.",
         .choices = {"mixamo"}},
        positive("scale", "Of the model's lengths, as 0.01 for centimetres; default: 1.", "1"),
        {.name = "head",

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "scenes/files/error.h"
 #include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
 
@@ -79,18 +80,17 @@ void make_flat(Mesh& mesh) {
 
 class Import {
  public:
-  Import(const std::filesystem::path& file, const aiScene& scene, bool flat, Textures textures,
-         NodeAnimations animations)
+  Import(const std::filesystem::path& file, const aiScene& scene, bool flat,
+         const Textures& textures, NodeAnimations animations)
       : file_(file),
         scene_(scene),
         flat_(flat),
-        textures_(std::move(textures)),
+        textures_(textures),
         animations_(std::move(animations)) {}
 
   Model run() {
     model_.name = file_.stem().string();
     for (unsigned i = 0; i < scene_.mNumMaterials; ++i) add_material(*scene_.mMaterials[i]);
-    model_.textures = std::move(textures_.all);
     find_bones();
     add_node(*scene_.mRootNode, Mat4::Identity(), -1);
     set_inverse_binds();
@@ -419,7 +419,7 @@ class Import {
   const std::filesystem::path& file_;
   const aiScene& scene_;
   bool flat_;
-  Textures textures_;
+  const Textures& textures_;
   NodeAnimations animations_;
   Model model_;
   std::set<const aiNode*> bone_nodes_;
@@ -435,7 +435,22 @@ class Import {
 
 Model from_imported(const std::filesystem::path& file, const aiScene& scene, bool flat,
                     Textures textures, NodeAnimations animations) {
-  return Import(file, scene, flat, std::move(textures), std::move(animations)).run();
+  const auto made = [&](NodeAnimations of) {
+    return Import(file, scene, flat, textures, std::move(of)).run();
+  };
+  Model model;
+  std::string cause;  // why it has no animations
+  if (!animations.all.empty()) {
+    try {
+      model = made(std::move(animations));
+    } catch (const BadAsset& error) {
+      cause = error.what();
+    }
+  }
+  if (model.meshes.empty()) model = made({});
+  if (!cause.empty()) model.left_out.push_back(fmt::format("animations ({})", cause));
+  model.textures = std::move(textures.all);
+  return model;
 }
 
 }  // namespace taut::scenes

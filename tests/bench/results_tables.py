@@ -516,6 +516,8 @@ def rows_of(schema, prefix):
         below, path = None, f"{prefix}{name}"
         if "enum" in key:
             kind = ", ".join(f'"{one}"' for one in key["enum"])
+        elif "anyOf" in key:
+            kind = ", ".join([f'"{one}"' for one in key["anyOf"][0]["enum"]] + ["table"])
         elif kind == "array" and key["items"].get("type") == "object":
             below, path, kind = key["items"], f"[[{path}]]" if "." not in path else f"{path}[]", "tables"
         elif kind == "array":
