@@ -479,7 +479,8 @@ state of the frame. Before them stand the events since the last frame, with thei
 method tells them (direct: all; impulse and others: those of massless spans): taut and slack of
 spans and of links that only pull; hit, leave, slide and stick of contacts; impulse. Of a hit and an
 impulse, size is in N s. --json then has the largest forces. FILE.npz has the rows as arrays for
-numpy.load() (t, what, of, part, with, with_part, place, force, size), FILE.json as a list of objects.
+numpy.load() (t, what, of, part, with, with_part, place, force, size), FILE.json as a list of
+objects.
 
 {}
 It is the last column, where the method has an estimate (inf once the run beside it diverges), and,
