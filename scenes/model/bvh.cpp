@@ -179,13 +179,13 @@ class Bvh {
   void read_motion() {
     expect("Frames:");
     const double frames = number();
+    if (!(frames >= 1 && frames == std::floor(frames))) fail("expected one frame or more");
+    if (frames * 7 * static_cast<double>(model_.bones.size()) > double{model_limits::keys})
+      fail(fmt::format("its frames have more than {} numbers", model_limits::keys));
     expect("Frame");
     expect("Time:");
     const double step = number();
-    if (!(frames >= 1 && frames == std::floor(frames))) fail("expected one frame or more");
     if (!(step > 0)) fail("expected a Frame Time above 0 s");
-    if (frames * 7 * static_cast<double>(model_.bones.size()) > double{model_limits::keys})
-      fail(fmt::format("its frames have more than {} numbers", model_limits::keys));
     // One track for what moves of each joint.
     std::vector<std::optional<std::size_t>> places(model_.bones.size()), turns(places.size());
     std::vector<BoneTrack>& tracks = model_.animations.emplace_back().tracks;

@@ -36,7 +36,7 @@ TEST_F(ModelBroken, FilesThatAreNoModel) {
   std::filesystem::create_symlink("/dev/zero", folder_ / "zero.glb");
   expect(folder_ / "zero.glb", "is a device, expected a model");
   expect(write("empty.glb", ""), "empty file");
-  expect(write("a.fbx", "x"), "is a \".fbx\" file, expected .glb, .gltf or .obj");
+  expect(write("a.fbx", "x"), "is a \".fbx\" file, expected .glb, .gltf, .obj or .bvh");
   expect(write("text.glb", "hello"), "not a GLB file: it does not start with \"glTF\"");
   std::filesystem::resize_file(write("big.glb", "glTF"), (64u << 20) + 1);
   expect(folder_ / "big.glb", "is larger than 64 MiB, expected a model");
