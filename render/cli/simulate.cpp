@@ -497,7 +497,7 @@ estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)"
                      "suffix: .npz for numpy, .json, else CSV");
   command
       .add_option("--until", options->until, "Ends at this time (s), not at the scene's duration")
-      .range(0, 1e9);
+      .range(1e-9, 1e9);
   command.add_option("--save-state", options->save_state,
                      "The state at the end into this file, for --from-state");
   command.add_option("--from-state", options->from_state,
