@@ -74,7 +74,9 @@ camera = [{{ t = 0, position = [0, 0.9, 3], target = [0, 0.8, 0] }}]
 }
 
 /// A thousand cords, and a stage behind an open lens.
-TEST_F(Memory, LargeScenesAreDrawnByTwoThreadsInHalfAGigabyte) {
+using LongMemory = Memory;  // half a minute
+
+TEST_F(LongMemory, LargeScenesAreDrawnByTwoThreadsInHalfAGigabyte) {
   constexpr int kThreads = 2;
   struct Case {
     std::string name, frames, size;
