@@ -148,6 +148,19 @@ def jacobi(u, m):
     return np.sin(phi), np.cos(phi), np.sqrt(1 - m * np.sin(phi) ** 2)
 
 
+def pendulum_angles(start, rate, times):
+    """The angles (rad, from below) of a pendulum that starts at rest; `rate` is that of small swings (rad/s).
+
+    By elliptic functions, and by integrating theta'' = -rate^2 sin(theta).
+    """
+    k = np.sin(start / 2)
+    states = integrate(lambda t, s: np.array([s[1], -rate**2 * np.sin(s[0])]), [start, 0], times)
+    angles = [2 * np.arcsin(k * jacobi(elliptic_k(k * k) - rate * t, k * k)[0]) for t in times]
+    for angle, state in zip(angles, states):
+        agree(angle, state[0], 1e-9)
+    return angles
+
+
 def between_keys(keys, name, t):
     """A motion between two keys, from rest to rest: value, rate and second derivative at t. It is the
     polynomial of fifth degree (that of least jerk: Flash and Hogan, 1985)."""

@@ -594,9 +594,10 @@ void ImplicitStep::assemble_materials(const Problem& problem) {
   }
 }
 
-/// Applied forces are known by their values alone. The derivative of the force on a particle by its
-/// own motion is a quotient of differences, for all particles at once. What else the force depends
-/// on, Newton's iterations follow without a derivative.
+/// An applied force is known by its values alone. Differences give its derivative: all particles
+/// move by the same way at once, three ways of places and three of velocities. That is the
+/// derivative if the force on a particle depends on its own motion alone; otherwise Newton's
+/// iterations take more of them to the same root.
 void ImplicitStep::assemble_applied(const Problem& problem) {
   constexpr double kShare = 1e-6;  // of a length and of a speed, for the differences
   const auto& material = mechanism_.material();
