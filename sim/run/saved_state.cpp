@@ -329,7 +329,7 @@ StateParts::StateParts(const World& start, const Timeline& timeline)
   hash.number(start.topology).number(state_hash(start));
   for (const double c : start.gravity) hash.number(c);
   for (const Connector& connector : start.connectors) {
-    hash.text(connector.name);
+    hash.text(connector.name).number(connector.breaks_at);
     for (const Hold& hold : connector.holds) {
       paths_.add(hold.to.path);
       paths_.add(hold.turn);

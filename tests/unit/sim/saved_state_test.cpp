@@ -137,6 +137,9 @@ TEST(SavedState, IsOfItsWorldAlone) {
   other = made;
   other.timeline.cuts[0].along = 0.51;
   EXPECT_THROW(start(other, "direct", {}).load(bytes), BadState);
+  other = made;
+  other.world.connectors[0].breaks_at = 3;
+  EXPECT_THROW(start(other, "direct", {}).load(bytes), BadState);
   EXPECT_NO_THROW(start(made, "xpbd", {}).load(bytes));  // by another method
 }
 
