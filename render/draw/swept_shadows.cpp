@@ -6,8 +6,8 @@
 namespace taut::draw {
 namespace {
 
-constexpr int kMostRoom = 4;  // layers as large as the map
-constexpr int kMargin = 16;   // texels that a look-up may lie off a penumbra
+constexpr int kMostRoom = 4;       // layers as large as the map
+constexpr int kMarginTexels = 16;  // texels that a look-up may lie off a penumbra
 
 picture::Rect widened(const picture::Rect& part, int by, int size) {
   return picture::intersection(
@@ -27,7 +27,7 @@ SweptShadows::SweptShadows(StageParts& parts, const MotionExtents& extents,
       block_(block),
       changing_(changing) {
   const int size = parts.map.size();
-  const int reach = int(std::ceil(block.penumbra * float(size))) + kMargin;
+  const int reach = int(std::ceil(block.penumbra * float(size))) + kMarginTexels;
   const picture::Rect part = widened(casters, 2 * reach, size);
   count_ = std::min(grades[shadow_grade(grades, samples) - 1].count, int(kLayers));
   while (count_ > kMostRoom &&

@@ -10,38 +10,38 @@ namespace taut::scenes {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Schema = nlohmann::ordered_json;
 using Type = KeyFormat::Type;
 
 constexpr std::string_view kExtends = "extends";  // lets another file give what is required
 
-Json table_schema(const TableFormat& format);
+Schema table_schema(const TableFormat& format);
 
 std::string described(const KeyFormat& key) {
   const bool unit = !key.unit.empty() && key.unit != "1";
   return std::string(key.meaning) + (unit ? " [" + std::string(key.unit) + "]" : "");
 }
 
-Json number_schema(const KeyFormat& key) {
-  Json json = {{"type", key.whole ? "integer" : "number"}};
+Schema number_schema(const KeyFormat& key) {
+  Schema json = {{"type", key.whole ? "integer" : "number"}};
   if (std::isfinite(key.minimum)) json[key.above ? "exclusiveMinimum" : "minimum"] = key.minimum;
   if (key.maximum < 1e300) json["maximum"] = key.maximum;
   return json;
 }
 
-Json list_schema(const KeyFormat& key, Json items) {
-  Json json = {{"type", "array"}, {"items", std::move(items)}};
+Schema list_schema(const KeyFormat& key, Schema items) {
+  Schema json = {{"type", "array"}, {"items", std::move(items)}};
   if (key.least > 0) json["minItems"] = key.least;
   if (key.most < std::numeric_limits<std::size_t>::max()) json["maxItems"] = key.most;
   return json;
 }
 
-Json method_schema() {
-  Json by_name = Json::array();
+Schema method_schema() {
+  Schema by_name = Schema::array();
   for (const auto& [name, format] : method_formats()) {
-    Json one = table_schema(format);
+    Schema one = table_schema(format);
     for (const SettingInfo& setting : find_method(name)->settings) {
-      Json& fallback = one["properties"][std::string(setting.name)]["default"];
+      Schema& fallback = one["properties"][std::string(setting.name)]["default"];
       std::visit([&](const auto& value) { fallback = value; }, setting.fallback);
     }
     one["properties"]["name"] = {{"const", name}, {"description", format.keys.front().meaning}};
@@ -50,11 +50,11 @@ Json method_schema() {
   return {{"type", "object"}, {"oneOf", std::move(by_name)}};
 }
 
-Json key_schema(const KeyFormat& key) {
+Schema key_schema(const KeyFormat& key) {
   switch (key.type) {
     case Type::flag:
-      return key.minimum == 1 ? Json{{"type", "boolean"}, {"const", true}}
-                              : Json{{"type", "boolean"}};
+      return key.minimum == 1 ? Schema{{"type", "boolean"}, {"const", true}}
+                              : Schema{{"type", "boolean"}};
     case Type::number:
       return number_schema(key);
     case Type::numbers:
@@ -92,8 +92,8 @@ Json key_schema(const KeyFormat& key) {
 }
 
 /// Exactly one of the keys; at most one where the group is not required.
-Json group_schema(const Alternatives& group) {
-  Json choices = Json::array(), any = Json::array();
+Schema group_schema(const Alternatives& group) {
+  Schema choices = Schema::array(), any = Schema::array();
   for (const std::string_view key : group.keys) {
     choices.push_back({{"required", {key}}});
   }
@@ -102,21 +102,21 @@ Json group_schema(const Alternatives& group) {
   return {{"oneOf", std::move(choices)}};
 }
 
-Json table_schema(const TableFormat& format) {
-  Json properties = Json::object(), required = Json::array(), groups = Json::array();
+Schema table_schema(const TableFormat& format) {
+  Schema properties = Schema::object(), required = Schema::array(), groups = Schema::array();
   for (const KeyFormat& key : format.keys) {
-    Json& property = properties[std::string(key.name)];
+    Schema& property = properties[std::string(key.name)];
     property["description"] = described(key);
     property.update(key_schema(key));
     if (!key.formerly.empty()) {
-      Json& old = properties[std::string(key.formerly)] = key_schema(key);
+      Schema& old = properties[std::string(key.formerly)] = key_schema(key);
       old["description"] = "Is called " + std::string(key.name) + " now.";
       old["deprecated"] = true;
     }
     if (key.required) required.push_back(key.name);
   }
   for (const Alternatives& group : format.alternatives) groups.push_back(group_schema(group));
-  Json json = {
+  Schema json = {
       {"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
   if (format.find(kExtends)) {  // the other file may have what is required
     groups.push_back(
@@ -131,7 +131,7 @@ Json table_schema(const TableFormat& format) {
 }  // namespace
 
 std::string scene_schema() {
-  Json json = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "taut scene"}};
+  Schema json = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "taut scene"}};
   json.update(table_schema(scene_format()));
   return json.dump(1) + '\n';
 }

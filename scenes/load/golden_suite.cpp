@@ -19,15 +19,15 @@ namespace {
 using Type = KeyFormat::Type;
 
 // Rounding moves a swing by less than this from one processor to another; slack motion by more.
-constexpr double kRounding = 1e-6;  // m
+constexpr double kLeastTolerance = 1e-6;  // m
 
 /// How far (m) two right runs of a method may be from each other: each is off by its tolerance at
 /// most, if the method has one in metres.
 double distance_between_runs(const MethodChoice& choice) {
   const MethodInfo* method = find_method(choice.name);
-  if (!method->companion || !method->missing.empty()) return kRounding;
+  if (!method->companion || !method->missing.empty()) return kLeastTolerance;
   const Settings settings = with_defaults(*method, choice.settings);
-  return std::max(kRounding, 2 * method->companion(*method, settings).asked);
+  return std::max(kLeastTolerance, 2 * method->companion(*method, settings).asked);
 }
 
 /// A table that names a scene, a time by the key `time`, a method and a distance.

@@ -118,15 +118,15 @@ ClipSimulation::Shutter ClipSimulation::next() {
 std::vector<TrailPoints> ClipSimulation::trails(const ClipFrame& frame) {
   std::vector<TrailPoints> all;
   if (longest_trail_ <= 0) return all;
-  constexpr double kRounding = 1e-9;  // s
-  const double now = frame.time + kRounding;
+  constexpr double kTimeRounding = 1e-9;  // s
+  const double now = frame.time + kTimeRounding;
   // A later frame's shutter opens half a frame's time before it, at most.
   const double oldest = now - longest_trail_ - std::max(frame.rate, 0.0) / scene_.fps;
   ways_.erase(ways_.begin(), ways_.lower_bound(oldest));
   for (std::size_t i = 0; i < scene_.stage->trails.size(); ++i) {
     const Trail& trail = scene_.stage->trails[i];
     const double from =
-        std::max({frame.time - trail.lasts, frame.shot->from, trail.from}) - kRounding;
+        std::max({frame.time - trail.lasts, frame.shot->from, trail.from}) - kTimeRounding;
     TrailPoints& points = all.emplace_back();
     if (!(frame.time < trail.until)) continue;
     for (auto way = ways_.lower_bound(from); way != ways_.end() && way->first <= now; ++way) {

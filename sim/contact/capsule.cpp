@@ -14,16 +14,17 @@
 namespace taut::contact {
 namespace {
 
-constexpr double kTurn = 1e-2;    // rad: turned by that, what lies flat touches at one end of it
-constexpr double kCrosses = 10;   // cot^2 of 17 degrees: what crosses by more does not lie flat
-constexpr double kSame = 1e-6;    // of the axis: spots so near to each other are one
-constexpr double kFlat = 1e-10;   // of the axis' length: distances so near to each other are equal
+constexpr double kTurn = 1e-2;      // rad: turned by that, what lies flat touches at one end of it
+constexpr double kCrosses = 10;     // cot^2 of 17 degrees: what crosses by more does not lie flat
+constexpr double kSameSpot = 1e-6;  // of the axis: spots so near to each other are one
+constexpr double kParallel =
+    1e-10;                        // of the axis' length: distances so near to each other are equal
 constexpr double kEvenly = 1e-9;  // rad: slopes so near to each other are one
 constexpr double kFarther = 1.5;  // times the way that it rolls and slides: it tips
-constexpr int kHalvings = 54;     // of a double's fraction
+constexpr int kBisections = 54;   // of a double's fraction
 constexpr int kToCell = 40;       // of these, down to a cell that may be guessed
 constexpr double kCell = 0x1p-40;
-constexpr int kTrials = 20;  // of a guess
+constexpr int kGuesses = 20;  // of a guess
 
 /// The first and the last of what lies flat, and whether distances rise evenly between.
 struct Flat {
@@ -50,8 +51,8 @@ struct Axis {
     if (!(last >= 0)) return 1;
     // The cell of a grid that halvings would come to, or else all of the axis.
     double low = std::clamp(guess(first, last, rise), 0.0, 1 - kCell), high = low + kCell;
-    int halvings = kHalvings - kToCell;
-    if (rise(low) >= 0 || !(rise(high) >= 0)) low = 0, high = 1, halvings = kHalvings;
+    int halvings = kBisections - kToCell;
+    if (rise(low) >= 0 || !(rise(high) >= 0)) low = 0, high = 1, halvings = kBisections;
     for (; halvings > 0; --halvings) {
       const double middle = (low + high) / 2;
       (rise(middle) >= 0 ? high : low) = middle;
@@ -63,7 +64,7 @@ struct Axis {
   static double guess(double first, double last, const auto& rise) {
     double low = 0, high = 1, along = 0;
     bool rose = false;
-    for (int i = 0; i < kTrials; ++i) {
+    for (int i = 0; i < kGuesses; ++i) {
       const double before = along;
       along = (low * last - high * first) / (last - first);
       if (!(along > low && along < high) || std::abs(along - before) < kCell / 8) break;
@@ -169,11 +170,11 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
     const double along = flat ? (spot == Spot::first ? ends.first : ends.last) : axis.along(spot);
     gap = gap_of(axis, frame, capsule.radius, along);
     gap.even = flat && ends.even;
-    if (!end) gap.distinct = gap.along > kSame && gap.along < 1 - kSame;
+    if (!end) gap.distinct = gap.along > kSameSpot && gap.along < 1 - kSameSpot;
     if (spot == Spot::to) gap.distinct = !point;
   }
   const auto apart = [&](std::size_t i, std::size_t k) {
-    return std::abs(gaps[i].along - gaps[k].along) > kSame;
+    return std::abs(gaps[i].along - gaps[k].along) > kSameSpot;
   };
   // An axis that crosses a round solid at an angle a: they are 2 kTurn cot^2(a) of the radii apart.
   const double between = axis.length * std::abs(gaps[4].along - gaps[3].along);
@@ -186,7 +187,7 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
   bool before = false, behind = false;
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     if (i == 2 || !gaps[i].distinct) continue;
-    if (gaps[i].distance > gaps[2].distance + kFlat * axis.length) continue;
+    if (gaps[i].distance > gaps[2].distance + kParallel * axis.length) continue;
     (gaps[i].along < gaps[2].along ? before : behind) = true;
   }
   if (before && behind) gaps[2].distinct = false;

@@ -68,13 +68,13 @@ struct Nearest {
 /// Of any obstacle: all are convex, so that the distance to them is along a line.
 std::optional<double> nearest_share(const Obstacle& obstacle, const Pose& pose, const Vec3& a,
                                     const Vec3& way) {
-  constexpr int kHalvings = 40;
+  constexpr int kSplits = 40;
   const auto rise = [&](double share) {
     return gap(obstacle, pose, a + share * way, 0).normal.dot(way);
   };
   if (!(rise(0) < 0) || !(rise(1) > 0)) return std::nullopt;
   double low = 0, high = 1;
-  for (int i = 0; i < kHalvings; ++i) {
+  for (int i = 0; i < kSplits; ++i) {
     const double middle = (low + high) / 2;
     (rise(middle) < 0 ? low : high) = middle;
   }

@@ -167,7 +167,7 @@ using ConstMap = Eigen::Map<const Vec3>;
 
 constexpr double kSpare = 1e-9;     // of forces per mass: no event yet
 constexpr double kArrives = 1e-10;  // m/s
-constexpr double kFlat = 1e-12;     // m, m/s, rad/s: out of a plane by rounding
+constexpr double kInPlane = 1e-12;  // m, m/s, rad/s: out of a plane by rounding
 constexpr double kLedApart = 1e-6;  // of accelerations: what links that are left out may be off
 constexpr double kLonger = 1e-4;    // times that: a string so much too long is taut
 constexpr int kProjections = 20;
@@ -617,7 +617,7 @@ namespace {
 constexpr double kBeyond = 0.25;     // of a link: its line goes on so far beyond its beads
 constexpr double kLevel = 1e-9;      // rad: a link that rises by less lies level
 constexpr double kAtBead = 1e-4;     // of a link, from its bead: they are one place
-constexpr double kAtEnd = 1e-6;      // of a link, from its bead: what lies flat ends there
+constexpr double kAtEnd = 1e-6;      // of a link or an axis: a spot so near to an end is the end
 constexpr double kBeside = 1e-6;     // of a link, beside the end of what it lies on
 constexpr double kStraight = 1e-12;  // 1/m: a solid that bends by less is straight along a link
 constexpr double kLevelled = 1e-10;  // of a link: ends that are no farther than the nearest
@@ -1074,9 +1074,8 @@ void ContactMotion::shift(const Motion& way, bool places, State& state) const {
 
 namespace {
 
-constexpr double kFly = 1e-3;   // m/s^2, for what flies together without any force
-constexpr double kFar = 1;      // an event that is none
-constexpr double kSame = 1e-6;  // of an axis: a spot so near to an end is that
+constexpr double kFly = 1e-3;  // m/s^2, for what flies together without any force
+constexpr double kFar = 1;     // an event that is none
 
 /// A touch that is not aimed yet.
 BodyTouch touch_of(std::span<const BodyMeeting> meetings, std::uint32_t index, Spot spot) {
@@ -1118,7 +1117,7 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
       const BodyMeeting& meeting = meetings_[at.meeting];
       const Pose place = solid(meeting, state);
       const double along = gap_at(meeting.shape, place, capsule(state, at.body), at.spot).along;
-      values.push_back(std::min(along, 1 - along) - kSame);
+      values.push_back(std::min(along, 1 - along) - kAtEnd);
     }
     if (at.touch.stick == 0) continue;
     if (at.touch.state == Touch::State::sticks) {
@@ -1183,8 +1182,8 @@ bool ContactMotion::turn_within(const State& state, const Vec3& normal) const {
   for (std::size_t b = 0; b < capsules_.size(); ++b) {
     const Vec3 spin = twist(state, b).tail<3>();
     const Vec3 eased = mechanism_.bodies()[b].world_inverse * normal;
-    if (normal.cross(spin).norm() > kFlat) return false;
-    if (normal.cross(eased).norm() > kFlat * eased.norm()) return false;
+    if (normal.cross(spin).norm() > kInPlane) return false;
+    if (normal.cross(eased).norm() > kInPlane * eased.norm()) return false;
   }
   return true;
 }
@@ -1491,9 +1490,9 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
 namespace {
 
 constexpr double kSolved = 1e-12;  // of the velocities or accelerations
-constexpr double kImmobile = 1e-12;
-constexpr int kTrials = 8;
-constexpr int kSweeps = 8;       // along the rows and back, of a relaxation
+constexpr double kImmobileRow = 1e-12;
+constexpr int kStepTrials = 8;
+constexpr int kRelaxations = 8;  // along the rows and back, of a relaxation
 constexpr int kShrinkings = 30;  // of the interval of a tension
 
 }  // namespace
@@ -1628,7 +1627,7 @@ double ContactMotion::until_it_slides(std::size_t row, double error) const {
 
 /// Nonlinear Gauss-Seidel along the rows and back (Jean 1999, section 5).
 void ContactMotion::relax(std::span<const double> start) {
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kRelaxations; ++sweep) {
     check_stop();
     for (std::size_t r = 0; r < start.size(); ++r) relax_row(r, start[r]);
     for (std::size_t r = start.size(); r-- > 0;) relax_row(r, start[r]);
@@ -1641,7 +1640,7 @@ void ContactMotion::relax_row(std::size_t row, double start) {
   const Vec3& along = mechanism_.direction()[row];
   const bool string = mechanism_.rows()[row].pulls;
   if (!taut_[row] || is_carried_[a] || is_carried_[b]) return;
-  for (int i = 0; i < kTrials && mobile_a + mobile_b > 0; ++i) {
+  for (int i = 0; i < kStepTrials && mobile_a + mobile_b > 0; ++i) {
     Bead bead_a = beads_[a], bead_b = beads_[b];
     const Response at_a = response(bead_a, free_[a] + pulled_[a]);
     const Response at_b = response(bead_b, free_[b] + pulled_[b]);
@@ -1651,7 +1650,7 @@ void ContactMotion::relax_row(std::size_t row, double start) {
       if (mobile == 0) continue;
       error += sign * along.dot(found.velocity - free);
       const double gives = along.dot(found.derivative * along);
-      if (std::abs(gives) > kImmobile) slope += mobile * gives;
+      if (std::abs(gives) > kImmobileRow) slope += mobile * gives;
     }
     if (std::abs(error) <= 1e-2 * kSolved || !(slope > 0)) return;
     double more = error / slope;
@@ -1767,7 +1766,7 @@ Vec3 ContactMotion::plane_of(const State& state) const {
   for (const Vec3& at : places) out = std::max(out, std::abs(normal.dot(at - places[0])));
   for (const Vec3& way : ways) out = std::max(out, std::abs(normal.dot(way)));
   if (!turn_within(state, normal)) return Vec3::Zero();
-  return out <= kFlat ? normal : Vec3(Vec3::Zero());
+  return out <= kInPlane ? normal : Vec3(Vec3::Zero());
 }
 
 /// How far (m/s^2) a bead that sticks, and is pulled by so much more, is from sliding.
@@ -1786,7 +1785,7 @@ void ContactMotion::centre() {
   double most = 0;
   for (const double tension : tension_) most = std::max(most, std::abs(tension));
   const auto& rows = mechanism_.rows();
-  for (std::size_t i = 0; i < 2 * kSweeps * rows.size(); ++i) {
+  for (std::size_t i = 0; i < 2 * kRelaxations * rows.size(); ++i) {
     const std::size_t k = i % (2 * rows.size());
     const std::size_t r = k < rows.size() ? k : 2 * rows.size() - 1 - k;
     const std::size_t a = rows[r].a, b = rows[r].b;

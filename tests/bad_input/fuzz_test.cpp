@@ -295,7 +295,7 @@ class Fuzz : public testing::TestWithParam<Reader> {
 using LongFuzz = Fuzz;
 
 TEST_P(Fuzz, OnlyMeantErrors) {
-  run(5'000, 1);
+  run(2'000, 1);
 }
 
 /// TAUT_INPUTS and TAUT_SEED in the environment choose others.

@@ -86,7 +86,7 @@ void check_seeds(unsigned first, unsigned count) {
 }
 
 TEST(Drawn, ScenesKeepEveryPromise) {
-  check_seeds(0, 500);
+  check_seeds(0, 250);
 }
 
 // TAUT_SEED and TAUT_SCENES in the environment choose others.

@@ -122,9 +122,9 @@ std::vector<std::string> clips() {
 
 class SavingsShow : public testing::TestWithParam<std::string> {};
 
-TEST_P(SavingsShow, InNoneOfSixteenFrames) {
+TEST_P(SavingsShow, InNoneOfFourFrames) {
   if (GetParam() == "bead_curtain") GTEST_SKIP() << "a thousand cords: a long test";
-  expect_nothing_shows(GetParam(), 72, 16, 2);
+  expect_nothing_shows(GetParam(), 72, 4, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SavingsShow, testing::ValuesIn(clips()),
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Long, LongSavingsShow, testing::ValuesIn(clips()),
 
 // Pictures in which everything takes as many exposures as the fastest thing look the same but for
 // how slow things are smeared.
-TEST(SlowThings, LookAsWithMoreExposures) {
+TEST(LongSlowThings, LookAsWithMoreExposures) {
   const Clip clip("nunchaku", 90, 2);
   const gl::Context context(gl::Backend::automatic);
   film::Film saving = clip.film(context, draw::Savings::all),
@@ -158,7 +158,7 @@ TEST(SlowThings, LookAsWithMoreExposures) {
 }
 
 // A piece of the floor without the shadow that falls there, as a scissor cuts it out.
-TEST(PlantedTear, IsSeen) {
+TEST(LongPlantedTear, IsSeen) {
   const Clip clip("nunchaku", 180, 2);
   const gl::Context context(gl::Backend::automatic);
   film::Film film = clip.film(context, draw::Savings::all);

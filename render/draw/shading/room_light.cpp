@@ -103,8 +103,8 @@ Vec3 CubeMips::blurred(const Vec3& ahead, double roughness) const {
 
 namespace {
 
-constexpr double kLeast = 1.0;    // m, a side of what encloses a room
-constexpr double kMargin = 0.25;  // m, from the walls to the outermost points
+constexpr double kLeast = 1.0;        // m, a side of what encloses a room
+constexpr double kWallMargin = 0.25;  // m, from the walls to the outermost points
 constexpr std::array<std::array<int, 3>, 2> kPoints = {  // of the grid, by x, y, z
     {{3, 2, 3}, {5, 2, 6}}};               // as the first bounce is gathered, and the second
 constexpr int kSide = 32;                  // px of the pictures
@@ -267,7 +267,7 @@ RoomLight::RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Dra
                      const Vec3& middle) {
   room_ = box_around(things);
   if (room_.isEmpty() || room_.sizes().minCoeff() < kLeast) return;
-  points_ = {room_.min() + Vec3::Constant(kMargin), room_.max() - Vec3::Constant(kMargin)};
+  points_ = {room_.min() + Vec3::Constant(kWallMargin), room_.max() - Vec3::Constant(kWallMargin)};
   middle_ = middle.cwiseMax(points_.min()).cwiseMin(points_.max());
   Photographer photographer(gl, light, things, shadow);
   for (const std::array<int, 3>& points : kPoints) {

@@ -30,7 +30,7 @@ void expect_as_asked(const char* file) {
   EXPECT_LT(hand.acceleration, asked.problem.limits.acceleration);
 }
 
-TEST(ChoreographyScene, TheTipPassesItsPointsAndTheHandKeepsToItsLimits) {
+TEST(LongChoreographyScene, TheTipPassesItsPointsAndTheHandKeepsToItsLimits) {
   for (const char* file : {kScene, kSpin}) {
     SCOPED_TRACE(file);
     expect_as_asked(file);
@@ -56,7 +56,7 @@ TEST(ChoreographyScene, TheSpinStandsUprightAndComesToRest) {
 }
 
 /// The scene's own run, without the choreography's functions.
-TEST(ChoreographyScene, TheTipIsInTheMiddleOfTheEightAfterEachLapAndRestsAtTheEnd) {
+TEST(LongChoreographyScene, TheTipIsInTheMiddleOfTheEightAfterEachLapAndRestsAtTheEnd) {
   const scenes::Scene scene = scenes::load_scene(kScene, false);
   Simulation simulation = scenes::start(scene);
   for (int lap = 0; lap <= 4; ++lap) {

@@ -226,7 +226,7 @@ choreography::Choreography upright_spin() {
   return problem;
 }
 
-TEST(Choreography, AnUprightSpinFromRestAndBackStaysClearOfWhatLeadsIt) {
+TEST(LongChoreography, AnUprightSpinFromRestAndBackStaysClearOfWhatLeadsIt) {
   const choreography::Choreography problem = upright_spin();
   const choreography::HandPath found = choreography::choreograph(problem, 0.002);
   EXPECT_LE(*std::ranges::max_element(found.miss), 0.002);
@@ -262,7 +262,7 @@ TEST(Choreography, LeadsAChainOfStrings) {
   EXPECT_LE(*std::ranges::max_element(found.miss), 0.002);
 }
 
-TEST(Choreography, HasTheSameBitsAgain) {
+TEST(LongChoreography, HasTheSameBitsAgain) {
   choreography::Choreography problem = figure_eight();
   problem.waypoints.resize(5);
   problem.until = 3.2;

@@ -40,7 +40,9 @@ class RoutineBody : public testing::Test {
 };
 
 /// Until it is thrown over the shoulder, where it is to touch him.
-TEST_F(RoutineBody, TheFreeStickMissesHimAndTheHeldStick) {
+using LongRoutineBody = RoutineBody;
+
+TEST_F(LongRoutineBody, TheFreeStickMissesHimAndTheHeldStick) {
   const double thrown = routine_.caption("Four times slower: the hand").from;
   const auto fitted = scenes::fit_capsules(model_);
   std::map<std::string, double> least;

@@ -193,7 +193,9 @@ TEST_F(RoutineHands, WristsBendLessThan45Degrees) {
 
 /// Hands against the trunk, the head and the legs, with what they wear. The jacket is flatter than
 /// the capsule that holds it: of what is inside of that the jacket's surface decides.
-TEST_F(RoutineHands, EnterNothingThatHeWears) {
+using LongRoutineHands = RoutineHands;
+
+TEST_F(LongRoutineHands, EnterNothingThatHeWears) {
   const auto fitted = scenes::fit_capsules(model_);
   const scenes::Mesh& jacket = *std::ranges::find(model_.meshes, "Jacket", &scenes::Mesh::name);
   const auto is_sleeve = [&](std::size_t vertex) {

@@ -118,7 +118,7 @@ TEST(RoutinePlay, TheHandMovesAsAPersonCan) {
 }
 
 /// Until it is thrown another tolerance hardly moves the stick; and it is caught all the same.
-TEST(RoutinePlay, IsNotLuck) {
+TEST(LongRoutinePlay, IsNotLuck) {
   const Routine fine = Routine::play("nunchaku.toml", true, {{"tolerance", 3e-4}});
   double off = 0;
   for (std::size_t k = 0; k < routine().steps.size(); ++k) {
@@ -139,7 +139,7 @@ TEST(RoutinePlay, ThePapersIsNotLuck) {
   EXPECT_LT(off, 0.005);  // m; the body is 30 mm away and more
 }
 
-TEST(RoutinePlay, HasTheSameBitsTwice) {
+TEST(LongRoutinePlay, HasTheSameBitsTwice) {
   const auto hash = [] {
     const scenes::Scene& scene = routine().scene;
     Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));

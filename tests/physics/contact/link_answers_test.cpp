@@ -162,7 +162,7 @@ World rope_on_wires(unsigned seed) {
   return world;
 }
 
-TEST(LinkAnswers, NoRopeGainsEnergyOnWiresOrPassesOne) {
+TEST(LongLinkAnswers, NoRopeGainsEnergyOnWiresOrPassesOne) {
   constexpr double kTolerance = 1e-3;
   for (unsigned seed = 1; seed <= 30; ++seed) {
     Simulation simulation = by_direct(rope_on_wires(seed), kTolerance);

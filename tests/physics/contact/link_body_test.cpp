@@ -224,7 +224,7 @@ void weather(unsigned first, unsigned count, int frames) {
   EXPECT_LE(ends, count / 100) << ended;
 }
 
-TEST(LinksAtBodies, AStormOfTwentyWorlds) {
+TEST(LongLinksAtBodies, AStormOfTwentyWorlds) {
   weather(1, 20, 30);
 }
 

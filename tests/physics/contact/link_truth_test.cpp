@@ -208,7 +208,7 @@ World against_a_post(double friction, bool pulls, bool moves) {
 
 /// With links that touch, where beads alone would pass the post. Of second order in the steps of
 /// direct; of first with friction, as where in a step it slides or sticks is anyhow.
-TEST(LinkTruth, TwoSolversAgree) {
+TEST(LongLinkTruth, TwoSolversAgree) {
   constexpr double kUntil = 0.42;
   for (const double friction : {0.0, 0.3}) {
     for (const bool pulls : {false, true}) {

@@ -45,7 +45,7 @@ double gap_of_chain(const World& world) {
   return least;
 }
 
-TEST(NunchakuContact, NothingPassesThroughTheArm) {
+TEST(LongNunchakuContact, NothingPassesThroughTheArm) {
   const scenes::Scene scene = shipped();
   Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
   std::map<std::string, double> least;

@@ -49,7 +49,7 @@ TEST(LinkFrames, AFoldedChainIsNotTwisted) {
 /// The nunchaku's chain as it is drawn: how far links turn about themselves and swing within 1/960
 /// s, how far neighbours are from right angles, and what is between a link and the next or what
 /// holds it.
-TEST(LinkFrames, LinksNeverSpinOverTheRoutine) {
+TEST(LongLinkFrames, LinksNeverSpinOverTheRoutine) {
   const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", false);
   Simulation simulation = scenes::start(scene);
   const Connector& chain = scene.world.connectors[0];
