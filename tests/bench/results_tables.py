@@ -231,7 +231,7 @@ def together(work):
     return table
 
 
-@result("promise", DIRECT)
+@result("promise", STUDY)
 def promise(work):
     """errors over tolerances, and runs' own estimates over errors, on drawn scenes"""
     path = work.out / "promise.csv"
@@ -259,24 +259,7 @@ def promise(work):
     return markdown(rows, range(1, len(rows[0])))
 
 
-@result("multiples", DIRECT)
-def multiples(work):
-    """errors over tolerances where runs are asked for multiples of them"""
-    rows = [["asked for", "at most 1", "at most 3", "median", "largest", "solves a second"]]
-    path = work.out / "multiples.csv"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    for asked in (1, 4, 16, 64, 256):
-        work.run(f"taut_promise --scenes 350 --asked {asked} --threads 2 --csv {path.relative_to(work.source)}")
-        some = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
-        errors, solves = (sorted(float(cell[name]) for cell in some) for name in ("error_in_tolerances", "solves"))
-        within = [100 * sum(error <= most for error in errors) / len(errors) for most in (1, 3)]
-        rows.append([f"{asked} tolerance{'s' if asked > 1 else ''}", *(f"{share:.1f}%" for share in within),
-                     f"{errors[len(errors) // 2]:.2g}", f"{errors[-1]:.2g}", f"{solves[len(solves) // 2]:.0f}"])
-    work.commands = ["taut_promise --scenes 350 --asked ... --threads 2 --csv out/results/multiples.csv"]
-    return markdown(rows, range(1, len(rows[0])))
-
-
-@result("schemes", DIRECT)
+@result("schemes", STUDY)
 def schemes(work):
     """which scheme of direct takes which steps, and its picture"""
     path = work.out / "schemes.csv"
@@ -292,7 +275,7 @@ def schemes(work):
         some = [step for step in steps if step["tolerance_of_length"] == tolerance]
         rows.append([tolerance] + [f"{100 * sum(step[key] == value for step in some) / len(some):.0f}%"
                                    for key, value in columns])
-    return "![Schemes by waves and step](../../../assets/pictures/schemes.png)\n\n" + markdown(rows, range(1, len(rows[0])))
+    return "![Schemes by waves and step](../../assets/pictures/schemes.png)\n\n" + markdown(rows, range(1, len(rows[0])))
 
 
 @result("net", DIRECT)
