@@ -24,7 +24,7 @@
 #include "scenes/scene/scene.h"
 #include "sim/contact/capsule.h"
 #include "sim/evaluation/run.h"
-#include "sim/links/tension.h"
+#include "sim/links/pulley_friction.h"
 #include "sim/measure/curves.h"
 #include "sim/measure/measure.h"
 #include "sim/run/forces.h"

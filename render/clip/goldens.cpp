@@ -53,9 +53,6 @@ struct Goldens::Set {
 
   static scenes::Scene staged(const scenes::GoldenFrame& frame) {
     scenes::Scene scene = scenes::load_scene(frame.scene, true);
-    if (!scene.stage)
-      throw scenes::BadScene(fmt::format("{}: {} has no [stage], so there is nothing to draw",
-                                         frame.source, frame.scene.string()));
     scenes::settle_breaks(scene, frame.method);
     scenes::complete_stage(scene, {}, render::stop_if_interrupted);
     return scene;

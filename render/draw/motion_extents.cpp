@@ -23,6 +23,8 @@ Eigen::Vector2f point(int i) {
   return {part(1 / kPlastic), part(1 / (kPlastic * kPlastic))};
 }
 
+}  // namespace
+
 Eigen::Matrix4f moved_by(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
                          const Eigen::Vector2f& pixels) {
   Eigen::Matrix4f moved = view_projection;
@@ -30,8 +32,6 @@ Eigen::Matrix4f moved_by(const Eigen::Matrix4f& view_projection, const picture::
   moved.row(1) += 2 * pixels.y() / float(viewport.height) * view_projection.row(3);
   return moved;
 }
-
-}  // namespace
 
 std::vector<Exposures> exposures(double way, int samples, int states, double apart) {
   std::vector<Exposures> result;

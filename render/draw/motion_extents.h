@@ -43,6 +43,10 @@ std::size_t shadow_grade(std::span<const Exposures> grades, int samples);
 /// one.
 std::size_t casting_grade(std::span<const Exposures> grades, std::size_t grade, int samples);
 
+/// A projection whose picture is moved by so many pixels to the right and upwards.
+Eigen::Matrix4f moved_by(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
+                         const Eigen::Vector2f& pixels);
+
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as
 /// brings samples that the exposures share apart.
 Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,

@@ -244,6 +244,7 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
   Look look{{instant.camera, viewport}, {}};
   const LightMap light = light_map(stage.light.direction, extent(instant), shading.map_size);
   FrameBlock& block = look.block;
+  block.view_projection = moved_by(block.view_projection, viewport, shift);
   block.light_projection = light.projection;
   block.eye.w() = float(1.5 * light.texel);
   block.penumbra = penumbra(light.projection);
@@ -314,7 +315,8 @@ void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> 
     parts.clear(canvas);
     for (const auto& [viewport, camera] : views) {
       FrameBlock block(camera, viewport);
-      block.view_projection = moved_backdrop(block.view_projection, viewport, i);
+      block.view_projection =
+          moved_backdrop(moved_by(block.view_projection, viewport, parts.shift), viewport, i);
       parts.surfaces.use(block);
       parts.gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
       parts.draw_scenery(Shade::lit);

@@ -87,6 +87,7 @@ struct StageParts {
   const scenes::Stage& stage;
   const Shading shading;
   Vec3 background;
+  Eigen::Vector2f shift{0, 0};  // px, of all that is drawn
   std::vector<Drawable> scenery;
   SceneryShadow scenery_shadow;
   RoomLight room;

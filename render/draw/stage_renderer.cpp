@@ -339,6 +339,10 @@ void StageRenderer::set_background(const Vec3& color) {
   impl_->background = color;
 }
 
+void StageRenderer::set_shift(const Eigen::Vector2f& pixels) {
+  impl_->shift = pixels;
+}
+
 void StageRenderer::begin(gl::Canvas& canvas, std::span<const View> views) {
   Impl& d = *impl_;
   if (d.shading.savings != Savings::all) {
@@ -347,6 +351,7 @@ void StageRenderer::begin(gl::Canvas& canvas, std::span<const View> views) {
   }
   Hash name;
   for (int k = 0; k < 3; ++k) name.number(d.background[k]);
+  name.number(d.shift.x()).number(d.shift.y());
   for (const auto& [viewport, camera] : views) {
     for (const int pixels : {viewport.x, viewport.y, viewport.width, viewport.height})
       name.number(pixels);

@@ -60,6 +60,9 @@ class StageRenderer {
 
   /// Another background than the stage's from the next frame on.
   void set_background(const Vec3& color);
+  /// What is drawn from the next frame on is moved by less than a pixel to the right and upwards:
+  /// the mean of such pictures has more samples than one.
+  void set_shift(const Eigen::Vector2f& pixels);
 
   /// Begins a frame: background everywhere, and the scenery in each of the views. The canvas
   /// keeps it for as long as the views stay the same.

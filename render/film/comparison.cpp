@@ -123,7 +123,8 @@ ComparisonFilm::ComparisonFilm(const gl::Context& context, const scenes::Scene& 
       height_(height),
       unit_(std::max(kUnit * height, kSmallest)),
       areas_(areas(width, height, unit_, comparison.methods.size(), layout)),
-      canvas_(context, areas_.panels.width, areas_.panels.height, samples),
+      passes_(samples, context.max_samples()),
+      canvas_(context, areas_.panels.width, areas_.panels.height, passes_.each),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline), kShading),
       faint_(width, height) {
   if (layout_ == Layout::over) {
@@ -370,13 +371,19 @@ picture::Picture ComparisonFilm::draw_scene(std::size_t at) {
   std::vector<draw::View> visible;
   for (const draw::View& view : views)
     if (!view.viewport.empty()) visible.push_back(view);
-  renderer_.begin(canvas_, visible);
-  if (layout_ == Layout::over) {
-    if (!visible.empty()) draw_over(visible.front(), at);
-  } else {
-    draw_beside(views, at);
+  std::vector<picture::Picture> pictures;
+  for (int i = 0; i < passes_.count; ++i) {
+    renderer_.set_shift(passes_.shift(i));
+    for (const auto& overlay : overlays_) overlay->set_shift(passes_.shift(i));
+    renderer_.begin(canvas_, visible);
+    if (layout_ == Layout::over) {
+      if (!visible.empty()) draw_over(visible.front(), at);
+    } else {
+      draw_beside(views, at);
+    }
+    pictures.push_back(canvas_.finish());
   }
-  drawn_picture_ = canvas_.finish();
+  drawn_picture_ = mean(pictures);
   drawn_ = at;
   return drawn_picture_;
 }

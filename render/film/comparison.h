@@ -13,6 +13,7 @@
 #include "render/chart/chart.h"
 #include "render/chart/table.h"
 #include "render/draw/stage_renderer.h"
+#include "render/film/matte.h"
 #include "render/gl/canvas.h"
 #include "render/picture/text.h"
 #include "scenes/scene/scene.h"
@@ -190,6 +191,7 @@ class ComparisonFilm {
   std::vector<Panel> panels_;                 // from the upper left corner of the picture
   std::optional<scenes::CameraView> camera_;  // none: the scene's
   std::vector<Tether> tethers_;
+  Passes passes_;
   gl::Canvas canvas_;
   draw::StageRenderer renderer_;
   std::vector<scenes::Stage> coloured_;  // [method], where they lie over each other

@@ -11,7 +11,8 @@ Film::Film(const gl::Context& context, const scenes::Scene& scene, int width, in
            int samples, const draw::Shading& shading)
     : context_(context),
       scene_(scene),
-      canvas_(context, width, height, samples),
+      passes_(samples, context.max_samples()),
+      canvas_(context, width, height, passes_.each),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shading) {}
 
 draw::FrameState instant_of(const scenes::Scene& scene, const Snapshot& state) {
@@ -73,12 +74,18 @@ Film::Frame Film::draw_opaque(const scenes::ClipFrame& frame,
 Film::Frame Film::draw_stage(std::span<const draw::FrameState> shutter) {
   const draw::View view{{0, 0, canvas_.width(), canvas_.height()},
                         shutter[shutter.size() / 2].camera};
-  renderer_.begin(canvas_, {&view, 1});
-  const int exposures = renderer_.expose(canvas_, view.viewport, shutter);
-  canvas_.resolve();
-  lap("resolve and tone map");
-  Frame frame{canvas_.read(), exposures};
-  lap("read back");
+  std::vector<picture::Picture> pictures;
+  int exposures = 0;
+  for (int i = 0; i < passes_.count; ++i) {
+    renderer_.set_shift(passes_.shift(i));
+    renderer_.begin(canvas_, {&view, 1});
+    exposures = renderer_.expose(canvas_, view.viewport, shutter);
+    canvas_.resolve();
+    lap("resolve and tone map");
+    pictures.push_back(canvas_.read());
+    lap("read back");
+  }
+  Frame frame{mean(pictures), exposures};
   draw_trails(frame.picture, scene_.stage->trails, shutter[shutter.size() / 2]);
   return frame;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "render/draw/stage_renderer.h"
+#include "render/film/matte.h"
 #include "render/gl/canvas.h"
 #include "render/gl/gpu.h"
 #include "render/picture/text.h"
@@ -52,6 +53,7 @@ class Film {
 
   const gl::Context& context_;
   const scenes::Scene& scene_;
+  Passes passes_;
   gl::Canvas canvas_;
   draw::StageRenderer renderer_;
   picture::Font font_{picture::Font::Weight::regular, picture::Font::Family::lato},

@@ -53,6 +53,19 @@ picture::Picture matte(const picture::Picture& on_black, const picture::Picture&
   return result;
 }
 
+picture::Picture mean(std::span<const picture::Picture> pictures) {
+  if (pictures.size() == 1) return pictures[0];
+  const auto& light = light_of_bytes();
+  picture::Picture result(pictures[0].width, pictures[0].height);
+  for (std::size_t i = 0; i < result.pixels.size(); ++i) {
+    if (i % 4 == 3) continue;
+    double sum = 0;
+    for (const picture::Picture& one : pictures) sum += light[one.pixels[i]];
+    result.pixels[i] = byte(encoded(sum / double(pictures.size())));
+  }
+  return result;
+}
+
 picture::Picture contact_sheet(std::span<const picture::Picture> pictures, int columns) {
   const int width = pictures[0].width, height = pictures[0].height;
   const int rows = (int(pictures.size()) + columns - 1) / columns;

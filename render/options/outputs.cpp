@@ -45,7 +45,7 @@ void add_output_options(program::Command& command, OutputOptions& options) {
   command
       .add_option("--preset", options.preset,
                   "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples, "
-                  "which need a GPU; 4k: 3840 wide")
+                  "in several passes if the driver has fewer; 4k: 3840 wide")
       .one_of({"draft", "final", "4k"});
   command.add_flag("--preview", options.preview,
                    "See a scene at once: 480 pixels wide, a sharp sample per pixel, at most 24 "

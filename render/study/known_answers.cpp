@@ -15,7 +15,7 @@
 #include "scenes/files/regular_file.h"
 #include "scenes/load/load_scene.h"
 #include "sim/evaluation/run.h"
-#include "sim/links/tension.h"
+#include "sim/links/pulley_friction.h"
 #include "sim/measure/curves.h"
 #include "sim/measure/measure.h"
 #include "sim/motion/stop.h"

@@ -34,12 +34,14 @@ fs::path running_program() {
   return error ? fs::path() : program;
 }
 
-/// The nearest folder above that is a project's; `folder` itself where there is none.
+/// The nearest folder above that is a project's. If there is none: `folder` itself, or the folder
+/// above a golden suite, whose scenes are beside it.
 fs::path project_of(const fs::path& folder) {
   std::error_code error;
   for (fs::path at = folder;; at = at.parent_path()) {
     if (fs::exists(at / "CMakePresets.json", error) || fs::exists(at / ".git", error)) return at;
-    if (at == at.parent_path()) return folder;
+    if (at == at.parent_path())
+      return fs::exists(folder / "golden.toml", error) ? folder.parent_path() : folder;
   }
 }
 

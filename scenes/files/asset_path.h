@@ -20,8 +20,8 @@ void set_asset_folder(const std::filesystem::path& folder);
 
 /// The folders for a scene in `folder`, in order: `--assets`, those of the environment's
 /// TAUT_ASSETS (separated by colons), the scene's own, its project's (the nearest folder above it
-/// with a CMakePresets.json or .git), the one that is installed beside the program, and the project
-/// in which the program was built.
+/// with a CMakePresets.json or .git; else the folder of the scene, or above its golden suite), the
+/// one that is installed beside the program, and the project in which the program was built.
 std::vector<AssetFolder> asset_folders(const std::filesystem::path& folder);
 
 /// The first file of that relative path in the asset folders of the current folder. Throws BadScene

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace taut {
 namespace {
@@ -117,6 +118,38 @@ double PulleyFriction::share(double before, double behind) {
   constexpr double kLeast = 0.01;
   if (!(before > 0)) return 0.5;
   return std::clamp(before / (before - behind), kLeast, 1 - kLeast);
+}
+
+double winch_tension(const World& world, std::size_t index, std::size_t end) {
+  const Connector& connector = world.connectors[index];
+  if (!connector.winch || !connector.winch->paths[end]) {
+    throw std::invalid_argument("the connector " + connector.name + " has no winch there");
+  }
+  Mechanism mechanism(world);
+  TensionSystem system(mechanism);
+  std::vector<double> state, right, tension;
+  mechanism.load(world, state);
+  PulleyFriction friction;
+  friction.rebuild(mechanism);
+  if (friction.any()) friction.decide(mechanism, system, world.time, state);
+  mechanism.update(world.time, state.data());
+  mechanism.right_side(right);
+  system.assemble(mechanism);
+  system.solve(right, tension);
+  std::vector<double> slope(state.size());
+  mechanism.differentiate(state.data(), tension.data(), slope.data());
+  std::vector<Vec3> acceleration;
+  for (std::size_t i = 0; i < mechanism.points(); ++i) {
+    acceleration.emplace_back(Eigen::Map<const Vec3>(&slope[mechanism.velocity(i)]));
+  }
+  std::size_t first = 0;
+  for (const Connector& other : world.connectors) {
+    for (const Hold& hold : other.holds) {  // whose slopes are zero
+      acceleration[first + hold.particle] = hold_motion(world, hold.to, world.time).acceleration;
+    }
+    first += other.particles();
+  }
+  return mechanism.drum_force(index, end, state.data(), tension.data(), acceleration);
 }
 
 }  // namespace taut

@@ -251,7 +251,8 @@ const std::map<std::string_view, std::vector<std::string> (*)()> kInputs = {
     {"PathCsv", paths},      {"GoldenRecord", goldens}, {"GoldenTrajectory", trajectories},
     {"GoldenSuite", suites}, {"Plan", planned},         {"Png", pictures},
     {"Words", words},        {"Journal", journals},     {"Frames", frames},
-    {"Record", records},     {"Times", times},          {"Table", tables}};
+    {"Record", records},     {"Times", times},          {"Table", tables},
+    {"State", saved_states}};
 
 #ifdef TAUT_SANITIZED
 constexpr double kPatience = 50;  // s of CPU time for one input

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Stability, MapsTheStiffnessesOfAMaterial) {
+TEST(LongStability, MapsTheStiffnessesOfAMaterial) {
   const Folder folder;
   const fs::path scene = fs::path(TAUT_SOURCE_DIR) / "scenes/materials/bungee.toml";
   const ProgramResult result =

@@ -44,7 +44,9 @@ class Memory : public testing::Test {
   Folder folder_;
 };
 
-TEST_F(Memory, DoesNotGrowWithTheClip) {
+using LongMemory = Memory;
+
+TEST_F(LongMemory, DoesNotGrowWithTheClip) {
   constexpr int kParticles = 2000, kFew = 15, kMany = 150;
   folder_.write("rope.toml", fmt::format(R"(
 duration = 5
@@ -74,8 +76,6 @@ camera = [{{ t = 0, position = [0, 0.9, 3], target = [0, 0.8, 0] }}]
 }
 
 /// A thousand cords, and a stage behind an open lens.
-using LongMemory = Memory;  // half a minute
-
 TEST_F(LongMemory, LargeScenesAreDrawnByTwoThreadsInHalfAGigabyte) {
   constexpr int kThreads = 2;
   struct Case {

@@ -73,7 +73,7 @@ void expect_planned_within(const std::string& scene, const std::string& toleranc
   expect_within(file);
 }
 
-TEST(PlannedScenes, StayWithinTheirToleranceOfAnIndependentTruth) {
+TEST(LongPlannedScenes, StayWithinTheirToleranceOfAnIndependentTruth) {
   std::size_t planned = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(kScenes)) {
     if (entry.path().extension() != ".toml") continue;

@@ -28,6 +28,8 @@
 #include "scenes/model/obj_materials.h"
 #include "scenes/reader/reader.h"
 #include "scenes/scene/plan.h"
+#include "sim/motion/hash.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {
@@ -193,6 +195,49 @@ void read_table(std::string_view bytes) {
   }
 }
 
+constexpr const char* kSavedScene = R"(duration = 0.4
+cuts = [{ connector = "rope", at = 0.25, t = 0.2 }]
+pins = [{ connector = "cord", at = 0.5, from = 0.05, until = 0.3 }]
+[bodies.ball]
+mass = 1.0
+shape = { sphere = { diameter = 0.1 } }
+hangs = [0, -1, 0]
+[connectors.rope]
+length = 0.5
+mass = 0.1
+particles = 6
+from = { fixed = [0, 0, 0] }
+to = { body = "ball", point = [0, 0.05, 0] }
+[connectors.cord]
+length = 1.0
+mass = 0.1
+particles = 5
+from = { fixed = [1, 0, 0] }
+to = { point_mass = 0.2 }
+start = { direction = [1, 0, 0] }
+)";
+
+Simulation saved_scene() {
+  scenes::Scene scene = scenes::read_scene(scenes::parse_document("fuzz.toml", kSavedScene), false);
+  return {scene.world, make_method("impulse", {{"step", 0.005}}), scene.timeline};
+}
+
+/// Of the bytes but their sum, which is made anew: what is taken for a state can be stepped.
+void read_state(std::string_view bytes) {
+  std::uint64_t sum = 0;
+  bytes = bytes.substr(0, bytes.size() - std::min(bytes.size(), sizeof sum));
+  sum = Hash().bytes(bytes.data(), bytes.size()).value();
+  std::string whole(bytes);
+  whole.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+  Simulation simulation = saved_scene();
+  try {
+    simulation.load(whole);
+    simulation.advance_to(simulation.world().time + 0.01);
+  } catch (const BadState&) {
+  } catch (const Diverged&) {
+  }
+}
+
 constexpr Reader kReaders[] = {
     {"Scene", read_scene},
     {"Stage", read_stage},
@@ -228,9 +273,20 @@ constexpr Reader kReaders[] = {
     {"Frames", read_frames},
     {"Record", read_record},
     {"Times", read_times},
+    {"State", read_state},
     {"Table", read_table}};
 
 }  // namespace
+
+std::vector<std::string> saved_states() {
+  std::vector<std::string> states;
+  Simulation simulation = saved_scene();
+  for (const double time : {0.0, 0.1, 0.25, 0.35}) {
+    simulation.advance_to(time);
+    states.push_back(simulation.save());
+  }
+  return states;
+}
 
 std::span<const Reader> readers() {
   return kReaders;

@@ -3,7 +3,9 @@
 
 #include <ostream>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace taut {
 
@@ -17,6 +19,9 @@ struct Reader {
 inline void PrintTo(const Reader& reader, std::ostream* out) {
   *out << reader.name;
 }
+
+/// States that the reader of that name takes: what it reads is of one scene.
+std::vector<std::string> saved_states();
 
 /// All readers of the program.
 std::span<const Reader> readers();

@@ -111,6 +111,22 @@ class GoldenCommand : public testing::Test {
   fs::path suite_ = folder_.path() / "suite";
 };
 
+// A folder beside scenes that are in no repository and have no stage of their own.
+TEST(GoldenSuite, MayBeAnywhere) {
+  const Folder folder;
+  std::string scene = kScene;
+  scene.erase(scene.find("[stage]"));
+  folder.write("rope.toml", scene);
+  folder.write("goldens/golden.toml",
+               "size = [64, 36]\n[frames.early]\nscene = \"../rope.toml\"\ntime = 0.1\n");
+  const ProgramResult accepted = run_taut({"golden", "accept", folder.path() / "goldens"}, "/");
+  EXPECT_EQ(accepted.output, "early: new\n") << accepted.messages;
+  EXPECT_EQ(run_taut({"golden", "check", "goldens"}, folder.path()).code, 0);
+  folder.write("goldens/golden.toml",
+               "size = [64, 36]\n[frames.early]\nscene = \"../../etc/passwd\"\ntime = 0.1\n");
+  EXPECT_EQ(run_taut({"golden", "check", "goldens"}, folder.path()).code, 3);
+}
+
 TEST_F(GoldenCommand, AcceptingLeavesFilesOfWhatIsAsBefore) {
   const std::string record = read_file(suite_ / "late.json") + "\n\n";
   std::ofstream(suite_ / "late.json") << record;

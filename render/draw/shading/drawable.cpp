@@ -37,11 +37,21 @@ float mean_length(const RestShape& shape) {
 }  // namespace
 
 Surface surface_named(std::string_view material) {
-  std::string name(material);
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  // The words of the name: dark and wood of "DarkWood_02". "hardwood" is wood, "cloak" is no oak.
+  std::vector<std::string> parts(1);
+  for (std::size_t i = 0; i < material.size(); ++i) {
+    const auto c = static_cast<unsigned char>(material[i]);
+    const bool begins = std::isupper(c) && i > 0 && std::islower((unsigned char)material[i - 1]);
+    if (begins || !std::isalpha(c)) parts.emplace_back();
+    if (std::isalpha(c)) parts.back() += char(std::tolower(c));
+  }
   const auto has = [&](std::initializer_list<const char*> words) {
-    return std::ranges::any_of(
-        words, [&](const char* word) { return name.find(word) != std::string::npos; });
+    return std::ranges::any_of(words, [&](const std::string_view word) {
+      return std::ranges::any_of(parts, [&](const std::string& part) {
+        return part == word || (word.size() > 3 && part.ends_with(word)) ||
+               (part.ends_with('s') && part.size() == word.size() + 1 && part.starts_with(word));
+      });
+    });
   };
   if (has({"oak"})) return Surface::turned;
   if (has({"wood", "floor", "plank", "beam"})) return Surface::wood;

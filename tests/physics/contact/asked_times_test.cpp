@@ -99,7 +99,7 @@ std::vector<std::uint64_t> hashes(const Asked& asked, const std::vector<double>&
   return found;
 }
 
-TEST(AskedTimes, ChangeNoBitOfTheTrajectory) {
+TEST(LongAskedTimes, ChangeNoBitOfTheTrajectory) {
   std::vector<double> frames, exposures, many;
   for (int i = 1; i < 3; ++i) frames.push_back(i / 3.0);
   Dice dice(1);

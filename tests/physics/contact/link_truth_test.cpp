@@ -255,7 +255,7 @@ TEST(LinkTruth, TwoSolversAgreeOnSeededWorlds) {
 }
 
 // The chain meets the post after 0.3 s.
-TEST(LinkTruth, StatesHowFarItIsKnown) {
+TEST(LongLinkTruth, StatesHowFarItIsKnown) {
   std::vector<double> times;
   for (int frame = 0; frame <= 18; ++frame) times.push_back(frame / 30.0);
   const truth::TruthOptions options;

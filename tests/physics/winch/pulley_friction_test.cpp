@@ -1,4 +1,6 @@
 // Friction of rope at pulleys, against known answers.
+#include "sim/links/pulley_friction.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -153,6 +155,26 @@ TEST(PulleyFriction, SwingingRopeSlipsAndSticks) {
   EXPECT_TRUE(stuck);
   EXPECT_TRUE(slid);
   EXPECT_LT(before, energy(start) - 0.01);
+}
+
+// A winch lifts a load over an eye: what it pulls with is E times the load.
+TEST(PulleyFriction, TheWinchFeelsTheEye) {
+  for (const double passes : {-0.3, 0.3}) {  // m in a second, taken in or paid out
+    World world = atwood({.left = 1, .left_mass = 0, .right_mass = 2, .friction = kFriction});
+    Connector& left = world.connectors[0];
+    left.holds.insert(left.holds.begin(), {0, worlds::fixed_at(left.position.front())});
+    world.pulleys.clear();
+    left.winch = world.connectors[1].winch = nullptr;
+    std::vector<PathKey> keys{{0, Vec3::Zero(), Quat::Identity()},
+                              {1, Vec3(passes, 0, 0), Quat::Identity()}};
+    add_winches(world, left, std::make_shared<const Path>(std::move(keys)), nullptr);
+    add_pulley(world, "eye", 0, 1, 0);
+    world.pulleys[0].friction = kFriction;
+    finish(world);
+    const World end = after(world, 0.5, "direct", {{"tolerance", 1e-8}});
+    const double ratio = passes < 0 ? kHalfTurn : 1 / kHalfTurn;
+    EXPECT_NEAR(winch_tension(end, 0, 0), ratio * 2 * kGravity, 1e-6) << passes;
+  }
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "../material/material_worlds.h"
 #include "../worlds.h"
-#include "sim/links/tension.h"
+#include "sim/links/pulley_friction.h"
 #include "sim/measure/measure.h"
 #include "sim/run/reduced.h"
 #include "sim/truth/truth.h"
