@@ -66,7 +66,7 @@ int run(const Options& options, const program::Common& common) {
 void add_bench(CLI::App& app, program::Program& program) {
   using namespace bench_command;
   program::Command command =
-      program::add_command(app, program, "bench", "What each frame costs each method",
+      program::add_command(app, program, "bench", "CPU time per frame of each method",
                            R"(  taut bench scenes/rope_swing.toml
   taut bench scenes/rope_swing.toml --quick --methods impulse,springs,direct
   taut bench scenes/rope_swing.toml --particles 21 --against xpbd --methods impulse,xpbd)");
@@ -75,12 +75,12 @@ void add_bench(CLI::App& app, program::Program& program) {
   options->study.features = options::study_features("bench");
   command
       .add_option("--particles", options->particles,
-                  "Numbers of particles of the first connector, with commas; default: 11,21,41,81, "
-                  "and 11,21 for --quick")
+                  "Numbers of particles of the first connector, separated by commas; default: "
+                  "11,21,41,81, or 11,21 with --quick")
       .delimiter(',')
       .range(2, 100000);
   command.add_option("--against", options->against,
-                     "The method that others are compared with; default: springs, or the first");
+                     "Method to compare the others with; default: springs, or the first");
   command.callback([options, &program] {
     program.run = [options, &program] {
       const bool quick = options->study.quick;

@@ -141,16 +141,15 @@ void add_chart(CLI::App& app, program::Program& program) {
   taut chart scenes/rope_swing.toml --methods springs,xpbd,direct --budget 60
   taut chart scenes/rope_swing.toml --part 3/100
 
-A chart that is stopped goes on where it was when the same command is given again. Parts are
-processes of their own, on any machines that share the folder of results: each takes every N-th run,
-scores and times it, and --merge draws the chart from their rows. --budget then only sets how long
-one run may take.)");
+An interrupted chart resumes when the same command is run again. Parts are separate processes, on
+any machines that share the folder of results: each scores and times every N-th run, and --merge
+draws the chart from their rows. --budget then only limits the time of one run.)");
   const auto options = std::make_shared<options::StudyOptions>();
   const auto markdown = std::make_shared<bool>(false);
   options::add_study_options(command, *options, kBudgets);
   program::add_part_options(command, options->part, "runs");
   options->features = options::study_features("chart");
-  command.add_flag("--markdown", *markdown, "The tables as Markdown");
+  command.add_flag("--markdown", *markdown, "Print the tables as Markdown");
   command.callback([options, markdown, &program] {
     program.run = [options, markdown, &program] {
       options::choose_budget(*options, kBudgets);

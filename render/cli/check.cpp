@@ -1011,14 +1011,14 @@ void add_check(CLI::App& app, program::Program& program) {
                            R"(  taut check scenes/nunchaku.toml
   taut check scenes/nunchaku.toml --json
   taut check --plans scenes/*.toml                 their plans, as a table in Markdown
-  taut check --features                            the methods and the features that they follow
+  taut check --features                            the features that each method supports
   taut check --schema > scenes/scene.schema.json   the JSON Schema, for editors)");
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->inputs).required(false);
   command.add_option("--plans", options->plans, "Write a table of these scenes' plans instead");
   command.add_flag("--schema", options->schema, "Write the JSON Schema of scene files instead");
   command.add_flag("--features", options->features,
-                   "Write tables of methods by the features that they follow instead");
+                   "Write tables of the features that each method supports instead");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

@@ -183,30 +183,30 @@ void add_choreograph(CLI::App& app, program::Program& program) {
   using namespace choreograph_command;
   program::Command command =
       program::add_command(app, program, "choreograph",
-                           "Find the hand's path that leads a free stick through given points",
+                           "Find the hand's path that guides a free stick through given points",
                            R"(  taut choreograph scenes/choreography/turning_eight.toml
   taut choreograph scenes/choreography/turning_eight.toml --as-it-stands
   taut choreograph scenes/choreography/turning_eight.toml -o path.csv --json
 
-The scene's [choreography] says where a point of a free body, such as the tip of a stick on a chain,
-is to be when. The path of the hand that leads it there is found within the hand's reach, speed and
-acceleration, and written to the file that the scene names: from then on all commands know it.
+The scene's [choreography] prescribes times and positions for a point of a free body, such as the
+tip of a stick on a chain. The command finds a path of the hand, within its limits of reach, speed
+and acceleration, that guides the point there, and writes it to the file that the scene names. All
+commands then use it.
 
-What is told of it is measured: the exact method simulates the scene with the path as it was
-written, and says by how much each waypoint is missed. A path that comes less near than the scene
-asks for is not written. --json has every waypoint. Exit codes: 0 found, 2 no path comes so near,
-3 bad scene, 6 the file cannot be written, 130 interrupted)");
+The result is measured: `direct` simulates the scene with the path as written, and the command
+prints the distance from each waypoint. A path with larger distances than the scene asks for is not
+written. --json lists every waypoint. Exit codes: 0 found, 2 no path comes so near, 3 bad scene,
+6 the file cannot be written, 130 interrupted)");
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->inputs);
-  command.add_option("--out,-o", options->out, "The file; default the one that the scene names")
+  command.add_option("--out,-o", options->out, "Output file; default: the one that the scene names")
       .type_name("FILE");
   command
-      .add_option(
-          "--budget", options->budget,
-          fmt::format("Seconds of CPU time that the search may take; default: {}", options->budget))
+      .add_option("--budget", options->budget,
+                  fmt::format("CPU time of the search, s; default: {}", options->budget))
       .positive();
   command.add_flag("--as-it-stands", options->as_it_stands,
-                   "Only measure the path that the scene has");
+                   "Only measure the scene's present path");
   command.callback([options, &program] {
     program.run = [options, &program] {
       return options::for_each_scene(options->inputs, program.common,

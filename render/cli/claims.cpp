@@ -207,12 +207,12 @@ int run(const Options& options, const program::Common& common) {
 void add_claims(CLI::App& app, program::Program& program) {
   using namespace claims_command;
   program::Command command =
-      program::add_command(app, program, "claims", "What of the paper reproduces, measured",
+      program::add_command(app, program, "claims", "Measure which claims of the paper reproduce",
                            R"(  taut claims scenes/rope_swing.toml
   taut claims scenes/rope_swing.toml --markdown)");
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->study.inputs);
-  command.add_flag("--markdown", options->markdown, "The table as Markdown");
+  command.add_flag("--markdown", options->markdown, "Print the table as Markdown");
   options->study.budget = 60;
   for (const MethodInfo& method : all_methods()) {
     if (method.paper_role != none) options->study.methods.emplace_back(method.name);

@@ -195,21 +195,20 @@ void add_classify(CLI::App& app, program::Program& program) {
   taut classify scenes/rope_swing.toml --methods springs --set step=0.001 --set stiffness=1e6
 
 The first class that fits: failed (diverged, or gained 10% of the energy), stretched (a link by 1%),
-over-damped (lost 10%), accurate (RMS within 1% of the length of truth), plausible. Methods run at
-their own settings, or at those of --set that they have; where the scene's step is a whole frame,
-they take that.)");
+over-damped (lost 10%), accurate (RMS error within 1% of the length), plausible. Methods run at
+their default settings, with those of --set that they have; if the scene's step is a whole frame,
+they use that step.)");
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->study.inputs);
   command.add_option("--out", options->study.out, "Folder for classify.csv; default: none");
   command
       .add_option("--methods", options->study.methods,
-                  "Methods to classify, METHOD or METHOD:FORM, with commas; default: all")
+                  "Methods to classify, METHOD or METHOD:FORM, separated by commas; default: all")
       .delimiter(',');
-  command.add_option("--cap", options->cap, "Seconds of CPU time that a run may take; default: 5")
-      .positive();
+  command.add_option("--cap", options->cap, "CPU time limit of a run, s; default: 5").positive();
   command.add_flag("--no-truth", options->no_truth,
-                   "Solve no truth: accurate motion is called plausible, too");
-  command.add_flag("--markdown", options->markdown, "The table as Markdown");
+                   "Do not compute the truth; accurate motion is then classified as plausible");
+  command.add_flag("--markdown", options->markdown, "Print the table as Markdown");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

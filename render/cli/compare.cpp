@@ -155,30 +155,30 @@ void add_compare(CLI::App& app, program::Program& program) {
   auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->study.inputs);
   command.add_option("--out", options->study.out,
-                     "The clip's folder; default: below out/compare, by the scene's path");
+                     "The clip's folder; default: in out/compare, by the scene's path");
   command
       .add_option("--methods", options->study.methods,
-                  "Methods to compare, METHOD or METHOD:FORM, with commas; default: six")
+                  "Methods to compare, METHOD or METHOD:FORM, separated by commas; default: six")
       .delimiter(',');
   command.add_option("--frames", options->frames,
-                     "Frames of the clip to make, as A-B,C, from 0; default all");
+                     "Frames of the clip to draw, as A-B,C, from 0; default: all");
   command
-      .add_option(
-          "--slower", options->slower,
-          "Begin N times slower than real time, with stops at the worst moments; default: 6 "
-          "where the motion is not predictable, else 1")
+      .add_option("--slower", options->slower,
+                  "Begin N times slower than real time, with stops at the worst moments; default: "
+                  "6 if the motion is not predictable, else 1")
       .range(1, 100);
-  command.add_option("--times", options->times,
-                     "Take CPU times from a former run's compare.json, so that pictures repeat");
-  command.add_option("--size", options->size, "WxH in pixels; default the scene's");
-  command.add_option("--fps", options->fps, "Frames per second; default the scene's")
+  command.add_option(
+      "--times", options->times,
+      "Use CPU times from an earlier run's compare.json, so that pictures are reproducible");
+  command.add_option("--size", options->size, "WxH in pixels; default: the scene's");
+  command.add_option("--fps", options->fps, "Frames per second; default: the scene's")
       .range(1, 1000);
-  command.add_option("--samples", options->samples, "Samples per pixel; default 4").range(1, 64);
-  command.add_option("--backend", options->backend, "auto, egl or osmesa")
+  command.add_option("--samples", options->samples, "Samples per pixel; default: 4").range(1, 64);
+  command.add_option("--backend", options->backend, "OpenGL backend: auto, egl or osmesa")
       .one_of({"auto", "egl", "osmesa"});
   command.add_flag("--over", options->over,
-                   "All methods in one panel, each in its colour, instead of side by side");
-  command.add_flag("--no-video", options->no_video, "Frames only");
+                   "Draw all methods in one panel, each in its colour, instead of side by side");
+  command.add_flag("--no-video", options->no_video, "Write frames, no video");
   options->study.features = options::study_features("compare");
   command.callback([&program, options] {
     program.run = [&program, options] {

@@ -48,8 +48,8 @@ void add_demo(CLI::App& app, program::Program& program) {
       "seconds, then the clip\n"
       "  taut demo --preview     the picture and the small clip alone");
   auto options = std::make_shared<Options>();
-  command.add_option("--out", options->out, "The clip's folder; default out/nunchaku");
-  command.add_flag("--preview", options->preview, "Only the picture and the small clip");
+  command.add_option("--out", options->out, "The clip's folder; default: out/nunchaku");
+  command.add_flag("--preview", options->preview, "Make only the picture and the small clip");
   command.callback([&program, options] {
     program.run = [&program, options] { return demo(program.common, *options); };
   });

@@ -178,7 +178,7 @@ int run(const Options& options, const program::Common& common) {
 void add_export(CLI::App& app, program::Program& program) {
   using namespace export_command;
   program::Command command =
-      program::add_command(app, program, "export", "A scene's motion for other programs",
+      program::add_command(app, program, "export", "Export a scene's motion to other programs",
                            R"(  taut export scenes/nunchaku.toml --to glb
   taut export scenes/rope_swing.toml -o swing.npz
   taut export scenes/rope_swing.toml --to csv -o - | head -1
@@ -192,21 +192,22 @@ Formats:
   pc2   a point cache for Blender's Mesh Cache modifier: the particles of all connectors
   bvh   the character's skeleton and its motion
 
-SI units, y up, one state per frame. glb and usda have more where the motion needs them: between
-frames nothing is more than 0.1 mm from the states that are simulated (--json: _off_by_m).
-The same scene gives the same bytes. render/export/README.md says what is in each format, and how
-other programs open it.)");
+SI units, y up, one state per frame. glb and usda have more states if needed, so that between
+frames nothing is more than 0.1 mm from the simulated states (--json: _off_by_m).
+The same scene gives the same bytes. render/export/README.md describes each format, and how to open
+it in other programs.)");
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->inputs, false);
-  command.add_option("--to", options->to, "The format; default the suffix of --out")
+  command.add_option("--to", options->to, "Format; default: by the suffix of --out")
       .one_of(format_names());
   command
       .add_option("--out,-o", options->out,
-                  "The file, of several scenes their folder; - for standard output; default "
+                  "Output file, or folder for several scenes; - for standard output; default: "
                   "out/NAME/NAME.FORMAT")
       .type_name("FILE");
-  command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
-  command.add_flag("--scenery", options->scenery, "With the stage's scenery: glb");
+  command.add_option("--fps", options->fps, "Frames per second; default: the scene's")
+      .range(1, 1000);
+  command.add_flag("--scenery", options->scenery, "Include the stage's scenery (glb only)");
   options::add_method_options(command, options->method);
   options::add_memory_option(command, options->max_memory);
   command.callback([options, &program] {

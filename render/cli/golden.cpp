@@ -140,9 +140,9 @@ int run(const Options& options, const program::Common& common) {
 
 void add_golden(CLI::App& app, program::Program& program) {
   using namespace golden_command;
-  program::Command command = program::add_command(
-      app, program, "golden", "Pictures and motions that are kept, and compared with today's",
-      R"(  taut golden check tests/golden/scenes
+  program::Command command = program::add_command(app, program, "golden",
+                                                  "Compare pictures and motions with accepted ones",
+                                                  R"(  taut golden check tests/golden/scenes
   taut golden accept tests/golden/scenes --only throw
 
 A golden.toml in the folder names pictures and motions:
@@ -160,20 +160,21 @@ A golden.toml in the folder names pictures and motions:
 pixels differ by more than 2 of 255, none by more than 16. A driver other than the one that drew the
 golden picture may move edges by a pixel. `check` also simulates each scene and fails if a state is
 further than `within` from the kept one. `within` is twice the tolerance of a method that has one,
-and 1e-6 m otherwise. Every machine compares alike. Pictures that differ, report.json and index.html
-are left in out/golden. `accept` keeps today's pictures, drawn from the kept states; if a scene
+and 1e-6 m otherwise, on every machine. Pictures that differ, report.json and index.html are written
+to out/golden. `accept` keeps today's pictures, drawn from the kept states; if a scene
 moved by more than `within`, it keeps today's states.)");
   const auto options = std::make_shared<Options>();
   command.add_option("action", options->action, "check or accept")
       .required()
       .one_of({"check", "accept"});
-  command.add_option("folder", options->folder, "The folder with golden.toml").required();
+  command.add_option("folder", options->folder, "Folder with golden.toml").required();
   command.add_option("--only", options->only, "Only this picture or motion; may be repeated")
       .one_value_each();
-  command.add_option("--out", options->out, "Where to leave what differs; default out/golden/NAME");
+  command.add_option("--out", options->out,
+                     "Folder for pictures that differ; default: out/golden/NAME");
   command.add_flag("--simulate", options->simulate,
-                   "accept: keep today's states, however near they are to the kept ones");
-  command.add_option("--backend", options->backend, "auto, egl or osmesa")
+                   "accept: keep today's states even if they are within the limit");
+  command.add_option("--backend", options->backend, "OpenGL backend: auto, egl or osmesa")
       .one_of({"auto", "egl", "osmesa"});
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };

@@ -82,25 +82,24 @@ void add_new(CLI::App& app, program::Program& program) {
   taut new ball --like character  ball.toml: a figure swings a ball on a rope
   taut new - --like crane         to standard output
 
-A scene of at most 30 lines, with comments, that renders at once:
+Writes a scene of at most 30 lines, with comments, that is ready to render:
 
   taut render swing.toml --preview      a small clip within seconds, out/swing/preview
   taut render swing.toml                its clip, out/swing/swing.mp4
-  taut check swing.toml                 name mistakes, estimate the time
+  taut check swing.toml                 validate it, estimate the time
 
-A file that is there stays as it is, unless --anew says otherwise. Exit codes: 0 written, 2 NAME is
-no name of a file, 3 the scenes that come with taut are missing, 6 the file is there or cannot be
-written.)");
+An existing file is replaced only with --anew. Exit codes: 0 written, 2 NAME is no name of a file,
+3 the scenes that come with taut are missing, 6 the file exists or cannot be written.)");
   const auto options = std::make_shared<Options>();
   command
       .add_option("NAME", options->name,
-                  "The scene: NAME.toml, with folders if you like; - is standard output")
+                  "Scene to write: NAME.toml, in a folder if you like; - is standard output")
       .required();
   command
       .add_option("--like", options->like,
-                  "Like which scene: rope (the default), chain, net, crane, nunchaku, character")
+                  "Kind of scene: rope (default), chain, net, crane, nunchaku, character")
       .one_of(kKinds);
-  command.add_flag("--anew", options->anew, "Replace a file of that name");
+  command.add_flag("--anew", options->anew, "Replace an existing file");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

@@ -138,30 +138,29 @@ void add_plan(CLI::App& app, program::Program& program) {
   taut render scenes/rope_swing.toml --planned
 
 It chooses the number of particles or a massless span, rigid bodies or links in their place, the
-stretch, bending, twist and air that may be neglected, the method with its settings, and the
-exposures of the motion blur. It chooses by counts of work: the same scene has the same plan on
-every machine, unless --budget leaves something out. The scene as it is written, solved to
-convergence, is what it compares with: every particle and the ends of every body, at every frame
-and at all that the clip shows between them, as long as the motion is predictable; after that
-energy, stretch and speeds. Pixels are those of the scene's shots, a picture as high as the scene's.
+stretch, bending, twist and air to neglect, the method with its settings, and the exposures of the
+motion blur. Costs are counts of work, so the same scene has the same plan on every machine, unless
+--budget leaves something out. The reference is the scene as written, solved to convergence. While
+the motion is predictable, the plan compares every particle and the ends of every body, at every
+frame and at all that the clip shows between frames; after that, energy, stretch and speeds. Pixels
+are those of the scene's shots, in a picture as high as the scene's.
 
-The reference solution may take 0.6 of --budget. Models and settings that exceed the rest are left
-out, and their number is told.
+The reference solution may use 0.6 of --budget. Models and settings that exceed the rest are left
+out, and their number is printed.
 
---write keeps the plan in the scene file, as its table [plan]; render and simulate take it with
---planned. It is refused once the scene, or how the program's method moves, is another one.
---json has all of it. Exit codes: 0 found, 2 no method comes so near within the budget, or the
+--write stores the plan in the scene file, as its table [plan]; render and simulate use it with
+--planned. They refuse it if the scene, or the motion by the program's method, has changed since.
+--json prints all of it. Exit codes: 0 found, 2 no method comes so near within the budget, or the
 tolerance makes no sense, 3 bad scene, 6 the scene file cannot be written, 130 interrupted)");
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->inputs);
   command
       .add_option("--tolerance", options->tolerance,
-                  "How far any point may be from where it should be: 1px on the picture, or 0.5mm")
+                  "Largest position error of any point: 1px on the picture, or 0.5mm")
       .required();
   command
-      .add_option(
-          "--budget", options->budget,
-          fmt::format("Seconds of CPU time that it may take, about; default: {}", options->budget))
+      .add_option("--budget", options->budget,
+                  fmt::format("CPU time, s, approximately; default: {}", options->budget))
       .positive();
   command.add_flag("--write", options->write, "Write the plan into the scene file");
   command.callback([options, &program] {

@@ -68,43 +68,41 @@ void add_render(CLI::App& app, program::Program& program) {
   auto options = std::make_shared<clips::RenderOptions>();
   options::add_scene_options(command, options->inputs, false);
   command.add_option("--out", options->out,
-                     "The clip's folder; default: below out/, by the scene's path");
+                     "The clip's folder; default: in out/, by the scene's path");
   options::add_output_options(command, options->output);
-  command.add_option("--frames", options->frames, "Frames to make, as A-B,C; default all");
-  command.add_option("--size", options->size, "WxH in pixels; default the scene's");
-  command.add_option("--fps", options->fps, "Frames per second; default the scene's")
+  command.add_option("--frames", options->frames, "Frames to draw, as A-B,C; default: all");
+  command.add_option("--size", options->size, "WxH in pixels; default: the scene's");
+  command.add_option("--fps", options->fps, "Frames per second; default: the scene's")
       .range(1, 1000);
   command
       .add_option("--samples", options->samples, "Samples per pixel; default: the preset's, or 4")
       .range(1, 64);
   options::add_method_options(command, options->method);
-  command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
+  command.add_flag("--no-estimate", options->no_estimate, "Do not estimate the run's own error");
   options::add_memory_option(command, options->max_memory);
   command.add_flag("--certificate", options->certificate,
-                   "A line on the picture says what is proved of the clip, or that nothing is");
-  command.add_option("--backend", options->backend, "auto, egl or osmesa")
+                   "Print on the picture what is proved about the clip, or that nothing is");
+  command.add_option("--backend", options->backend, "OpenGL backend: auto, egl or osmesa")
       .one_of({"auto", "egl", "osmesa"});
-  const program::Option resume =
-      command.add_flag("--resume", options->resume,
-                       "Keep finished frames that would come out the same: the default");
-  command.add_flag("--anew", options->anew, "Draw every frame, also those that are there")
-      .excludes(resume);
+  const program::Option resume = command.add_flag(
+      "--resume", options->resume, "Keep finished frames that would not change (default)");
+  command.add_flag("--anew", options->anew, "Draw every frame again").excludes(resume);
   program::add_part_options(command, options->part, "frames");
   command.add_flag("--contact-sheet", options->stills.contact_sheet,
-                   "Only a sheet of the captions' middles, contact_sheet.png");
+                   "Make only contact_sheet.png, with a picture from the middle of each caption");
   command
       .add_option("--every", options->stills.every,
-                  "The sheet shows the clip at every so many seconds instead")
+                  "Interval of the sheet's pictures, s, instead of captions")
       .positive();
   command.add_option("--poster", options->stills.poster,
-                     "Only the picture at this time of the clip (s), poster.png");
-  command.add_flag("--profile", options->profile,
-                   "Time a frame's stages, one after another, and print their medians beside what "
-                   "they cannot take less than");
-  command.add_flag("--no-video", options->no_video, "Frames only");
+                     "Make only poster.png, the picture at this time of the clip, s");
+  command.add_flag(
+      "--profile", options->profile,
+      "Time a frame's stages one after another, and print their medians and lower bounds");
+  command.add_flag("--no-video", options->no_video, "Write frames, no video");
   command
       .add_option("--patience", options->patience,
-                  "Seconds after which an FFmpeg that does nothing is given up; default 60")
+                  "Seconds after which an idle FFmpeg is abandoned; default: 60")
       .positive();
   command.callback([&program, options] {
     program.run = [&program, options] {

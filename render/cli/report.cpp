@@ -135,15 +135,14 @@ int run(const options::StudyOptions& options, const program::Common& common) {
 void add_report(CLI::App& app, program::Program& program) {
   using namespace report_command;
   program::Command command = program::add_command(
-      app, program, "report", "Accuracy, costs, failures and clips of scenes on one page",
+      app, program, "report", "Report accuracy, costs, failures and clips of scenes on one page",
       R"(  taut report scenes/rope_swing.toml
   taut report scenes/rope_swing.toml scenes/bench_stick.toml --quick
   taut report scenes/rope_swing.toml --methods springs,xpbd,direct --budget 120
 
-One HTML file below 5 MB that needs no other and no network, report.html: speed against accuracy,
-errors over time, a small clip of each method, and where each fails. Every point, cell and clip says
-the command that makes it. A report that is stopped goes on where it was when the same command is
-given again.)");
+Writes report.html, one self-contained file under 5 MB that works offline: speed against accuracy,
+errors over time, a small clip of each method, and where each fails. Every point, cell and clip has
+the command that makes it. An interrupted report resumes when the same command is run again.)");
   const auto options = std::make_shared<options::StudyOptions>();
   options::add_study_options(command, *options, kBudgets);
   options->features = options::study_features("report");

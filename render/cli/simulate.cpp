@@ -456,9 +456,9 @@ int run(const Options& options, const program::Common& common) {
 
 void add_simulate(CLI::App& app, program::Program& program) {
   using namespace simulate_command;
-  program::Command command =
-      program::add_command(app, program, "simulate", "A scene's trajectory, without pictures",
-                           fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
+  program::Command command = program::add_command(
+      app, program, "simulate", "Compute a scene's trajectory, without pictures",
+      fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
   taut simulate scenes/rope_swing.toml --csv swing.csv --json
   taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
   taut simulate scenes/rope_swing.toml --method xpbd --step 1e-4 --score 1e-4
@@ -469,53 +469,53 @@ void add_simulate(CLI::App& app, program::Program& program) {
 One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
 body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), the tension at the drum of
 every winch (NAME.from.tension, NAME.to.tension), error_estimate. SI units. Particles that pins add
-have no columns; what is cut off a connector has its own from the start, as NAME'.
+have no columns; the part cut off a connector has columns from the start, as NAME'.
 
 --forces writes a row for each link, hold, clamp and contact of each frame: t, what (tension, hold,
 moment, contact), of (a connector or body), part (a particle: 3, a link: 3-4), with (what holds or
 touches it), with_part, x, y, z, fx, fy, fz (on the first; of a tension: on its link's first
-particle), size (N; of a clamp's moment N m). They are the forces that the scene's laws give in the
-state of the frame. Before them stand the events since the last frame, with their times, as the
-method tells them (direct: all; impulse and others: those of massless spans): taut and slack of
-spans and of links that only pull; hit, leave, slide and stick of contacts; impulse. Of a hit and an
-impulse, size is in N s. --json then has the largest forces. FILE.npz has the rows as arrays for
+particle), size (N; of a clamp's moment N m). The forces follow from the state of the frame by the
+scene's laws. The events since the last frame precede them, with their times, as far as the method
+reports events (direct: all; impulse and others: those of massless spans): taut and slack of spans
+and of links that only pull; hit, leave, slide and stick of contacts; impulse. The size of a hit or
+impulse is in N s. --json then has the largest forces. FILE.npz has the rows as arrays for
 numpy.load() (t, what, of, part, with, with_part, place, force, size), FILE.json as a list of
 objects.
 
 {}
-It is the last column, where the method has an estimate (inf once the run beside it diverges), and,
-with --json, error_estimate_m (its largest and its final value), predictable_until_s and
-estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
-                                       studies::kEstimateHelp));
+The estimate is the last column, if the method has one (inf once the second run diverges); --json
+has error_estimate_m (the largest and the final value), predictable_until_s and
+estimate_ms_per_second (CPU time, which stepping_ms_per_second excludes).)",
+                  studies::kEstimateHelp));
   const auto options = std::make_shared<Options>();
   options::add_scene_options(command, options->inputs, false);
   command.add_option("--csv", options->csv,
-                     "The trajectory into this file, of several scenes into this folder; - or, "
-                     "without --json, nothing: to standard output");
+                     "File for the trajectory, or folder for several scenes; -, the default "
+                     "without --json: standard output");
   command.add_option("--forces", options->forces,
-                     "Tensions, forces of holds and contacts, and events into this file, by its "
-                     "suffix: .npz for numpy, .json, else CSV");
-  command
-      .add_option("--until", options->until, "Ends at this time (s), not at the scene's duration")
+                     "File for tensions, forces of holds and contacts, and events; by its suffix "
+                     ".npz for NumPy, .json, else CSV");
+  command.add_option("--until", options->until, "End time, s, instead of the scene's duration")
       .range(1e-9, 1e9);
   command.add_option("--save-state", options->save_state,
-                     "The state at the end into this file, for --from-state");
+                     "File for the state at the end, for --from-state");
   command.add_option("--from-state", options->from_state,
-                     "Goes on from the state in this file, with the frame after it; without an "
+                     "Continue from the state in this file, with the frame after it; without an "
                      "estimate of the error");
   command
-      .add_option("--sweep", options->sweep,
-                  "A run for each of COUNT values of a key, evenly from one to another; --csv is "
-                  "their folder, --json a list")
+      .add_option(
+          "--sweep", options->sweep,
+          "Run each of COUNT evenly spaced values of a key; --csv is a folder, --json a list")
       .type_name("KEY=FROM:UNTIL:COUNT");
-  command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
+  command.add_option("--fps", options->fps, "Frames per second; default: the scene's")
+      .range(1, 1000);
   options::add_method_options(command, options->method);
   command
       .add_option("--score", options->score,
-                  "No trajectory, but the error against the truth, which is solved for errors from "
-                  "this share of the length up")
+                  "Instead of a trajectory, the error against the truth, which resolves errors "
+                  "down to this share of the length")
       .range(1e-9, 1.0);
-  command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
+  command.add_flag("--no-estimate", options->no_estimate, "Do not estimate the run's own error");
   options::add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
     program.run = [options, &program] {

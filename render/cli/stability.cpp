@@ -71,15 +71,15 @@ int run(const options::StudyOptions& options, const program::Common& common) {
 void add_stability(CLI::App& app, program::Program& program) {
   using namespace stability_command;
   program::Command command =
-      program::add_command(app, program, "stability", "Where each method fails, as maps",
+      program::add_command(app, program, "stability", "Map where each method fails",
                            R"(  taut stability scenes/rope_swing.toml
   taut stability scenes/rope_swing.toml --quick
   taut stability scenes/rope_swing.toml --methods springs,direct --budget 120
   taut stability scenes/rope_swing.toml --part 3/100
 
-Maps that are stopped go on where they were when the same command is given again. Parts are
-processes of their own, on any machines that share the folder of results: each takes neighbouring
-cells, and --merge draws the maps from them. --budget then only sets how long one cell may take.)");
+Interrupted maps resume when the same command is run again. Parts are separate processes, on any
+machines that share the folder of results: each computes neighbouring cells, and --merge draws the
+maps from them. --budget then only limits the time of one cell.)");
   const auto options = std::make_shared<options::StudyOptions>();
   options->features = options::study_features("stability");
   options::add_study_options(command, *options, kBudgets);

@@ -182,10 +182,10 @@ void add_verify(CLI::App& app, program::Program& program) {
   taut verify --methods direct,truth,xpbd
   taut verify --methods direct --set tolerance=1e-6 --page verify.html --csv verify.csv
 
-A case is a folder with scene.toml and answer.csv: rows of time,quantity,value,tolerance, which
-theory gives. A method passes if every error is within its tolerance. Exit code 1: one does not.
-CASE is such a folder, or a folder of them; default: tests/answers. A method that does not follow a
-feature of the scene is not run.
+A case is a folder with scene.toml and answer.csv: rows of time,quantity,value,tolerance, from
+theory. A method passes if every error is within its tolerance. Exit code 1: a method fails.
+CASE is such a folder, or a folder of cases; default: tests/answers. Methods that do not support a
+feature of the scene are not run.
 
 )" + std::string(studies::kQuantitiesHelp));
   const auto options = std::make_shared<Options>();
@@ -193,19 +193,18 @@ feature of the scene is not run.
   command.add_option("CASE", options->cases, "Folders of cases");
   command
       .add_option("--methods", options->study.methods,
-                  "Methods to verify, METHOD or METHOD:FORM, with commas; default: direct")
+                  "Methods to verify, METHOD or METHOD:FORM, separated by commas; default: direct")
       .delimiter(',');
   command
       .add_option("--set", options->study.inputs.set,
-                  "A setting of the methods, as in tolerance=1e-6; may be repeated")
+                  "Override a setting of the methods, as in tolerance=1e-6; may be repeated")
       .one_value_each()
       .type_name("KEY=VALUE");
-  command.add_option("--cap", options->cap, "Seconds of CPU time that a run may take; default: 60")
-      .positive();
-  command.add_flag("--failures", options->failures, "The table has only what fails");
-  command.add_option("--csv", options->csv, "Every answer and value into this CSV file");
+  command.add_option("--cap", options->cap, "CPU time limit of a run, s; default: 60").positive();
+  command.add_flag("--failures", options->failures, "Print only failures in the table");
+  command.add_option("--csv", options->csv, "CSV file for all answers and values");
   command.add_option("--page", options->page,
-                     "Every answer, with drawings, into this HTML file, which needs no other");
+                     "Self-contained HTML file for all answers, with drawings");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

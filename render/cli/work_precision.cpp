@@ -57,38 +57,40 @@ int run(const Options& options, const program::Common& common) {
 void add_work_precision(CLI::App& app, program::Program& program) {
   using namespace work_precision_command;
   program::Command command = program::add_command(
-      app, program, "work-precision", "The cost of an error for each method, scene beside scene",
+      app, program, "work-precision", "Cost of each method at given errors, for several scenes",
       R"(  taut work-precision scenes/bench_*.toml
   taut work-precision scenes/bench_*.toml --errors 0.01,0.001,0.0001 --markdown --out out/bench
 
-CPU milliseconds per simulated second of the cheapest settings whose RMS position error over the
-scene's duration, as far as its truth is predictable, is at most so many metres; in brackets, how
-many times the cheapest of all that is. Runs are timed in turn; medians. Parts (--part 3/100) are
-processes of their own, on any machines that share the folder of --out: each takes neighbouring runs
-and times them one after another; --merge makes the tables.)");
+For each error, the CPU milliseconds per simulated second of the cheapest settings whose RMS
+position error stays below it while the scene's truth is predictable; in brackets, the ratio to the
+cheapest method. Times are medians of runs in turn. Parts (--part 3/100) are separate processes, on
+any machines that share the folder of --out: each times neighbouring runs one after another; --merge
+makes the tables.)");
   const auto options = std::make_shared<Options>();
   options->study.budget = 120;
   options->study.features = options::study_features("work-precision");
   options::add_scene_options(command, options->study.inputs);
-  command.add_option("--errors", options->errors, "m, with commas; default: 0.01,0.001,0.0001")
+  command
+      .add_option("--errors", options->errors,
+                  "Errors, m, separated by commas; default: 0.01,0.001,0.0001")
       .delimiter(',')
       .positive();
   command.add_option("--out", options->study.out, "Folder for work_precision.csv; default: none");
   command
       .add_option("--methods", options->study.methods,
-                  "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
+                  "Methods to compare, METHOD or METHOD:FORM, separated by commas; default: all")
       .delimiter(',');
   command
       .add_option("--budget", options->study.budget,
-                  "Seconds of CPU time that each scene may take, about; default: 120")
+                  "CPU time for each scene, s, approximately; default: 120")
       .positive();
-  command.add_flag("--quick", options->study.quick, "Few settings of each method");
+  command.add_flag("--quick", options->study.quick, "Try few settings of each method");
   command
       .add_option("--reference-step", options->study.reference_step,
-                  "s; score against direct at this step, where the truth gives up")
+                  "Score against direct at this step, s, instead of the truth")
       .positive();
   program::add_part_options(command, options->study.part, "runs");
-  command.add_flag("--markdown", options->markdown, "The tables as Markdown");
+  command.add_flag("--markdown", options->markdown, "Print the tables as Markdown");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

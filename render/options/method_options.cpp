@@ -110,22 +110,22 @@ bool is_of_scene(const std::string& key) {
 
 void add_method_options(program::Command& command, MethodOptions& options) {
   const program::Option method = command.add_option(
-      "--method", options.method, "Another method than the scene's, at its own settings");
+      "--method", options.method, "Method to use instead of the scene's, at its default settings");
   program::Option step =
       command.add_option("--step", options.step, "Longest step of the method, s");
   const program::Option tolerance = command.add_option(
-      "--tolerance", options.tolerance, "Error to keep, m, for methods that control it");
+      "--tolerance", options.tolerance, "Largest error, m, for methods with error control");
   step.excludes(tolerance);
   const program::Option set =
       command
           .add_option("--set", options.set,
-                      "A setting of the method (listed below), as in stiffness=5000, or a value in "
-                      "place of the scene's, as in connectors.rope.length=0.5; may be repeated")
+                      "Override a setting of the method (listed below), as in stiffness=5000, or a "
+                      "key of the scene, as in connectors.rope.length=0.5; may be repeated")
           .one_value_each()
           .type_name("KEY=VALUE");
   command
       .add_flag("--planned", options.planned,
-                "The model and the method of the scene's plan, as taut plan --write made it")
+                "Use the model and method of the scene's plan, written by taut plan --write")
       .excludes(method)
       .excludes(step)
       .excludes(tolerance)

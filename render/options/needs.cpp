@@ -215,9 +215,8 @@ std::string space_text(const Needs& needs) {
 }
 
 void add_memory_option(program::Command& command, double& most) {
-  command.add_size(
-      "--max-memory", most,
-      "Refuse what would take more, as in 8GB; default three quarters of the machine's");
+  command.add_size("--max-memory", most,
+                   "Memory limit, as in 8GB; default: three quarters of the machine's memory");
 }
 
 void refuse_beyond(const Needs& needs, const scenes::Scene& scene, double most,

@@ -32,27 +32,26 @@ bool OutputOptions::is_picture() const {
 
 void add_output_options(program::Command& command, OutputOptions& options) {
   command
-      .add_option(
-          "-o,--output", options.file,
-          "The file to make: .mp4, .webm, .mov (ProRes 4444), .gif, .webp or .apng; .png is "
-          "one picture, of the clip's middle or of --poster")
+      .add_option("-o,--output", options.file,
+                  "Output file: .mp4, .webm, .mov (ProRes 4444), .gif, .webp or .apng; .png is one "
+                  "picture, of the clip's middle or of --poster")
       .type_name("FILE");
-  command.add_option("--quality", options.quality, "Of the video, 0 to 100; default 85")
+  command.add_option("--quality", options.quality, "Quality of the video, 0 to 100; default 85")
       .range(0, 100);
   command.add_flag(
       "--transparent", options.transparent,
-      "Opacity in place of background and scenery: frames, .png, .webm, .mov, .webp, .apng");
+      "Transparent instead of background and scenery: frames, .png, .webm, .mov, .webp, .apng");
   command
       .add_option("--preset", options.preset,
-                  "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples, "
+                  "draft: 640 pixels wide, 1 sample per pixel; final: the scene's size, 8 samples, "
                   "in several passes if the driver has fewer; 4k: 3840 wide")
       .one_of({"draft", "final", "4k"});
   command.add_flag("--preview", options.preview,
-                   "See a scene at once: 480 pixels wide, a sharp sample per pixel, at most 24 "
-                   "frames a second, no estimate, in a folder preview of its own");
+                   "Quick look: 480 pixels wide, 1 sharp sample per pixel, at most 24 frames a "
+                   "second, no estimate, in a folder of its own, preview");
   command.add_flag(
       "--watch", options.watch,
-      "Make a poster whenever the scene or a file that it names is saved, until Ctrl-C");
+      "Draw a poster whenever the scene or a file that it names is saved, until Ctrl-C");
 }
 
 void check_outputs(const OutputOptions& options, bool several, bool frames_alone) {

@@ -48,8 +48,7 @@ program::Option add_scene_options(program::Command& command, SceneOptions& optio
   if (!with_set) return scenes;
   command
       .add_option("--set", options.set,
-                  "A value in place of the scene's, as in connectors.rope.length=0.5; may be "
-                  "repeated")
+                  "Override a key of the scene, as in connectors.rope.length=0.5; may be repeated")
       .one_value_each()
       .type_name("KEY=VALUE");
   return scenes;

@@ -73,18 +73,17 @@ Features study_features(std::string_view command) {
 void add_study_options(program::Command& command, StudyOptions& options, const Budgets& budgets) {
   add_scene_options(command, options.inputs);
   command.add_option("--out", options.out,
-                     "Folder for the results; default: below out/, by the scene's path");
+                     "Folder for the results; default: in out/, by the scene's path");
   command
       .add_option("--methods", options.methods,
-                  "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
+                  "Methods to compare, METHOD or METHOD:FORM, separated by commas; default: all")
       .delimiter(',');
   command
-      .add_option(
-          "--budget", options.asked_budget,
-          fmt::format("Seconds of CPU time that it may take, about; default: {}, with --quick {}",
-                      budgets.usual, budgets.quick))
+      .add_option("--budget", options.asked_budget,
+                  fmt::format("CPU time, s, approximately; default: {}, with --quick {}",
+                              budgets.usual, budgets.quick))
       .positive();
-  command.add_flag("--quick", options.quick, "A coarse answer, by default within half a minute");
+  command.add_flag("--quick", options.quick, "Coarse results, by default within half a minute");
 }
 
 void choose_budget(StudyOptions& options, const Budgets& budgets) {

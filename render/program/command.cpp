@@ -174,16 +174,17 @@ Command add_command(CLI::App& app, Program& program, const std::string& name,
   added.formatter(help_format());
   added.footer("\nExamples:\n" + examples);
   Command command(added);
-  command.add_flag("--quiet,-q", program.common.quiet, "No progress, no notes; errors remain");
-  command.add_flag("--json", program.common.json, "The result on standard output as JSON");
+  command.add_flag("--quiet,-q", program.common.quiet,
+                   "Print no progress and no notes, only errors");
+  command.add_flag("--json", program.common.json, "Print the result as JSON on standard output");
   command
       .add_option("--threads", program.common.threads,
-                  "Threads to draw with, at most (simulating takes one); 0, the default: all")
+                  "Most threads for drawing (simulation uses one); default: 0, all")
       .range(0, 1024);
   command
       .add_text(
           "--assets", [](const std::string& folder) { scenes::set_asset_folder(folder); },
-          "A folder in which the files that a scene names are looked for first")
+          "Folder to search first for files that a scene names")
       .existing_folder();
   return command;
 }

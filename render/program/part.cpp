@@ -171,13 +171,14 @@ void add_part_options(Command& command, PartOptions& options, const std::string&
   };
   const Option part =
       command
-          .add_text("--part", read,
-                    fmt::format("Only the K-th of N shares of the {}, for --merge: on any machine",
-                                whole))
+          .add_text(
+              "--part", read,
+              fmt::format("Do only the K-th of N parts of the {}, on any machine; for --merge",
+                          whole))
           .type_name("K/N");
   command
       .add_flag("--merge", options.merge,
-                fmt::format("The result from the {} that all parts made; does none itself", whole))
+                fmt::format("Only combine the {} of all parts into the result", whole))
       .excludes(part);
 }
 

@@ -187,14 +187,13 @@ std::string reason(const ErrorEstimate& estimate) {
 }  // namespace
 
 const std::string_view kEstimateHelp =
-    "The run estimates its own error: the same method runs beside it with other settings (direct: "
+    "The run estimates its own error: a second run of the method with other settings (direct: "
     "steps\n"
-    "shorter by a fifth; others: tolerance times 4, or twice the step), and Richardson's\n"
-    "extrapolation tells the error from the difference, as an RMS of all particles, in m. The "
-    "motion\n"
-    "is predictable until the estimate exceeds the tolerance asked for or, where the method has "
-    "none\n"
-    "in metres, a hundredth of the longest connector. --no-estimate saves its time.";
+    "shorter by a fifth; others: tolerance times 4, or twice the step) gives a difference, and\n"
+    "Richardson's extrapolation the error from it, as an RMS of all particles, in m. The motion "
+    "is\n"
+    "predictable until the estimate exceeds the tolerance asked for or, if the method has none in\n"
+    "metres, a hundredth of the longest connector. --no-estimate saves the time of the second run.";
 
 SelfEstimate::SelfEstimate(const scenes::Scene& scene, bool on) {
   if (on) estimate_.emplace(scene.world, scene.method.name, scene.method.settings, scene.timeline);

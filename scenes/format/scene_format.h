@@ -30,7 +30,7 @@ inline KeyFormat vector(std::string_view name, std::string_view meaning,
 }
 
 inline KeyFormat gravity() {
-  KeyFormat key = vector("gravity", "Default: [0, -9.81, 0].", "m/s^2");
+  KeyFormat key = vector("gravity", "Gravitational acceleration; default: [0, -9.81, 0].", "m/s^2");
   key.minimum = -kMostGravity;
   key.maximum = kMostGravity;
   return key;
@@ -70,14 +70,14 @@ inline KeyFormat needed(KeyFormat key) {
 }
 
 inline KeyFormat friction(
-    std::string_view meaning = "Coulomb's coefficient, of what slides; default: 0.") {
+    std::string_view meaning = "Coefficient of kinetic friction; default: 0.") {
   return {
       .name = "friction", .meaning = meaning, .unit = "1", .minimum = 0, .maximum = kMostFriction};
 }
 
 inline KeyFormat static_friction() {
   return {.name = "static_friction",
-          .meaning = "Coulomb's coefficient, of what sticks; default: as friction.",
+          .meaning = "Coefficient of static friction; default: that of kinetic friction.",
           .unit = "1",
           .minimum = 0,
           .maximum = kMostFriction};
@@ -96,13 +96,12 @@ inline TableFormat number_keys(const char* name, const char* meaning, const char
 inline TableFormat length_keys(const char* name, const char* meaning) {
   TableFormat format = number_keys(name, meaning, "m", kMostPaidOut);
   format.keys[1].required = false;
-  format.keys.push_back(
-      {.name = "speed",
-       .meaning = "How fast that changes at this key, instead: smooth and monotone between keys, "
-                  "from rest on, and as the last key says beyond it.",
-       .unit = "m/s",
-       .minimum = -kFastestWinch,
-       .maximum = kFastestWinch});
+  format.keys.push_back({.name = "speed",
+                         .meaning = "Speed at this key, instead of a length: 0 at the start, "
+                                    "smooth and monotone between keys, constant after the last.",
+                         .unit = "m/s",
+                         .minimum = -kFastestWinch,
+                         .maximum = kFastestWinch});
   format.alternatives = {{{name, "speed"}}, {{"ease", "speed"}, false}};
   return format;
 }

@@ -110,7 +110,7 @@ Schema table_schema(const TableFormat& format) {
     property.update(key_schema(key));
     if (!key.formerly.empty()) {
       Schema& old = properties[std::string(key.formerly)] = key_schema(key);
-      old["description"] = "Is called " + std::string(key.name) + " now.";
+      old["description"] = "Deprecated; use `" + std::string(key.name) + "`.";
       old["deprecated"] = true;
     }
     if (key.required) required.push_back(key.name);

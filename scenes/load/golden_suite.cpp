@@ -32,49 +32,48 @@ double distance_between_runs(const MethodChoice& choice) {
 
 /// A table that names a scene, a time by the key `time`, a method and a distance.
 TableFormat kept_format(std::string_view scene, std::string_view time, std::string_view when) {
-  return {{{.name = "scene", .type = Type::file, .meaning = scene, .required = true},
-           {.name = time, .meaning = when, .unit = "s", .minimum = 0, .required = true},
-           {.name = "method", .type = Type::method, .meaning = "Default: the scene's own."},
-           {.name = "within",
-            .meaning = "How far today's simulation may be from a kept state. Default: twice the "
-                       "method's tolerance, and 1e-6 without one.",
-            .unit = "m",
-            .minimum = 0,
-            .above = true}}};
+  return {
+      {{.name = "scene", .type = Type::file, .meaning = scene, .required = true},
+       {.name = time, .meaning = when, .unit = "s", .minimum = 0, .required = true},
+       {.name = "method", .type = Type::method, .meaning = "The method; default: the scene's own."},
+       {.name = "within",
+        .meaning = "Largest distance of today's simulation from a kept state; default: twice the "
+                   "method's tolerance, or 1e-6 without one.",
+        .unit = "m",
+        .minimum = 0,
+        .above = true}}};
 }
 
 const TableFormat& suite_format() {
-  static const TableFormat frame =
-      kept_format("A scene with a stage.", "time", "When; the nearest frame is taken.");
+  static const TableFormat frame = kept_format(
+      "A scene with a stage.", "time", "Time of the picture, rounded to the nearest frame.");
   static const TableFormat trajectory =
-      kept_format("A scene.", "until", "Up to when; the nearest frame is the last.");
-  static const TableFormat format{{{.name = "schema_version",
-                                    .meaning = "Version of this format.",
-                                    .minimum = 1,
-                                    .maximum = 1,
-                                    .whole = true},
-                                   {.name = "size",
-                                    .type = Type::numbers,
-                                    .meaning = "Width and height of the pictures.",
-                                    .unit = "pixels",
-                                    .minimum = 1,
-                                    .maximum = 16384,
-                                    .whole = true,
-                                    .least = 2,
-                                    .most = 2},
-                                   {.name = "samples",
-                                    .meaning = "Samples per pixel.",
-                                    .minimum = 1,
-                                    .maximum = 64,
-                                    .whole = true},
-                                   {.name = "frames",
-                                    .type = Type::named,
-                                    .meaning = "The pictures, by their names.",
-                                    .table = &frame},
-                                   {.name = "trajectories",
-                                    .type = Type::named,
-                                    .meaning = "The motions, by their names.",
-                                    .table = &trajectory}}};
+      kept_format("A scene.", "until", "End of the trajectory, rounded to the nearest frame.");
+  static const TableFormat format{
+      {{.name = "schema_version",
+        .meaning = "Version of this format.",
+        .minimum = 1,
+        .maximum = 1,
+        .whole = true},
+       {.name = "size",
+        .type = Type::numbers,
+        .meaning = "Width and height of the pictures.",
+        .unit = "pixels",
+        .minimum = 1,
+        .maximum = 16384,
+        .whole = true,
+        .least = 2,
+        .most = 2},
+       {.name = "samples",
+        .meaning = "Samples per pixel.",
+        .minimum = 1,
+        .maximum = 64,
+        .whole = true},
+       {.name = "frames", .type = Type::named, .meaning = "The pictures by name.", .table = &frame},
+       {.name = "trajectories",
+        .type = Type::named,
+        .meaning = "The trajectories by name.",
+        .table = &trajectory}}};
   return format;
 }
 

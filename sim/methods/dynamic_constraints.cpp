@@ -146,27 +146,28 @@ MethodInfo dynamic_constraints_method() {
   return {
       .name = kDynamicConstraints,
       .summary = "forces from the system of all links, returning critically damped",
-      .settings =
-          {step_setting(kStableStep, 10),
-           {.name = "time_constant",
-            .meaning = "Time in which a length error shrinks by a factor of e, at least 1.3 steps; "
-                       "0: ten steps. Raising it allows longer steps and larger length errors.",
-            .unit = "s",
-            .fallback = 0.0,
-            .maximum = 100},
-           {.name = "solver",
-            .meaning = "How tensions are solved: tridiagonal costs in proportion to the links, "
-                       "dense in proportion to their cube, as the paper timed it.",
-            .unit = "",
-            .fallback = std::string("tridiagonal"),
-            .choices = {"tridiagonal", "dense"}},
-           {.name = "integrator",
-            .meaning = "Integrator of a step: rk4 is of fourth order and solves for the tensions "
-                       "four times, semi-implicit-euler of first order and once.",
-            .unit = "",
-            .fallback = std::string("rk4"),
-            .choices = {"semi-implicit-euler", "rk4"},
-            .sweep = {std::string("semi-implicit-euler"), std::string("rk4")}}},
+      .settings = {step_setting(kStableStep, 10),
+                   {.name = "time_constant",
+                    .meaning =
+                        "Time constant of the decay of length errors, at least 1.3 steps; 0: ten "
+                        "steps. Raising it allows longer steps and larger length errors.",
+                    .unit = "s",
+                    .fallback = 0.0,
+                    .maximum = 100},
+                   {.name = "solver",
+                    .meaning = "Solver for the tensions: tridiagonal costs O(n) for n links, dense "
+                               "O(n^3), as the paper timed it.",
+                    .unit = "",
+                    .fallback = std::string("tridiagonal"),
+                    .choices = {"tridiagonal", "dense"}},
+                   {.name = "integrator",
+                    .meaning =
+                        "Integrator: rk4 is of fourth order and solves for the tensions four times "
+                        "a step, semi-implicit-euler is of first order and solves once.",
+                    .unit = "",
+                    .fallback = std::string("rk4"),
+                    .choices = {"semi-implicit-euler", "rk4"},
+                    .sweep = {std::string("semi-implicit-euler"), std::string("rk4")}}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<DynamicConstraints>(settings);
       },

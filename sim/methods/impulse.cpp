@@ -1003,8 +1003,8 @@ void Impulse::check(const World& world, double time) const {
 SettingInfo impulse_step() {
   SettingInfo info = step_setting({}, 10);
   info.meaning =
-      "Length of a time step. Raising it costs less and errs more; lowering it leaves the method's "
-      "own error.";
+      "Length of a time step. Raising it costs less and errs more; lowering it does not reduce the "
+      "method's own error.";
   return info;
 }
 
@@ -1022,7 +1022,7 @@ MethodInfo impulse_method() {
                     .fallback = 1e-5},
                    {.name = "l_c",
                     .meaning = "Shortest length of a link, as a share of its rest length; 0: links "
-                               "fold. Raising it makes links resist compression earlier.",
+                               "can fold. Raising it makes links resist compression earlier.",
                     .unit = "1",
                     .fallback = 1.0,
                     .maximum = 1},
@@ -1034,7 +1034,7 @@ MethodInfo impulse_method() {
                     .minimum = 1,
                     .maximum = 10},
                    {.name = "passes",
-                    .meaning = "Repositioning passes over all links in a step. Raising it keeps "
+                    .meaning = "Repositioning passes over all links per step. Raising it keeps "
                                "lengths better and costs more.",
                     .unit = "1",
                     .fallback = 1.0,
@@ -1043,8 +1043,8 @@ MethodInfo impulse_method() {
                     .whole = true,
                     .sweep = {1.0, 4.0, 16.0}},
                    {.name = "as_printed",
-                    .meaning =
-                        "Equation (5) and the ends as the paper prints them, without corrections.",
+                    .meaning = "Whether to use equation (5) and the ends as the paper prints them, "
+                               "without corrections.",
                     .unit = "",
                     .fallback = false}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {

@@ -170,29 +170,28 @@ MethodInfo springs_method() {
   return {
       .name = "springs",
       .summary = "a particle system: a hard spring and damper per link",
-      .settings =
-          {step_setting(kStableStep, 0),
-           {.name = "stiffness",
-            .meaning =
-                "Stiffness of each link; 0: 10000, or more where something heavy hangs, so that "
-                "links stretch by 1% at rest. Raising it stretches less and needs shorter "
-                "steps.",
-            .unit = "N/m",
-            .fallback = 0.0,
-            .sweep = {1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6, 1e7, 1e8}},
-           {.name = "damping",
-            .meaning = "Damping of the fastest wave along the connector, as a share of critical. "
-                       "Raising it calms vibrations and takes more energy.",
-            .unit = "1",
-            .fallback = 0.1,
-            .maximum = 100},
-           {.name = "integrator",
-            .meaning = "Integrator of a step: rk4 is of fourth order and sums the forces four "
-                       "times, the others of first order and once.",
-            .unit = "",
-            .fallback = std::string("semi-implicit-euler"),
-            .choices = {"explicit-euler", "semi-implicit-euler", "rk4"},
-            .sweep = {std::string("semi-implicit-euler"), std::string("rk4")}}},
+      .settings = {step_setting(kStableStep, 0),
+                   {.name = "stiffness",
+                    .meaning = "Stiffness of each link; 0: 10000, or more under heavy loads, so "
+                               "that links stretch by at most 1% at rest. Raising it reduces "
+                               "stretch and needs shorter steps.",
+                    .unit = "N/m",
+                    .fallback = 0.0,
+                    .sweep = {1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6, 1e7, 1e8}},
+                   {.name = "damping",
+                    .meaning = "Damping ratio of the fastest wave along the connector. Raising it "
+                               "damps vibrations faster and dissipates more energy.",
+                    .unit = "1",
+                    .fallback = 0.1,
+                    .maximum = 100},
+                   {.name = "integrator",
+                    .meaning =
+                        "Integrator: rk4 is of fourth order and evaluates the forces four times a "
+                        "step, the others are of first order and evaluate them once.",
+                    .unit = "",
+                    .fallback = std::string("semi-implicit-euler"),
+                    .choices = {"explicit-euler", "semi-implicit-euler", "rk4"},
+                    .sweep = {std::string("semi-implicit-euler"), std::string("rk4")}}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Springs>(settings);
       },

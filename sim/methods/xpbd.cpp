@@ -477,18 +477,17 @@ MethodInfo xpbd_method() {
       .name = kXpbd,
       .summary = "extended position-based dynamics with small steps",
       .settings =
-          {step_setting(
-               "Length of a time step; 0: 1 ms, down to 10 us where something heavy hangs or "
-               "rods are stiff, so that links stretch by 1% at rest. Raising it costs less and "
-               "errs more.",
-               12),
+          {step_setting("Length of a time step; 0: 1 ms, or down to 10 us under heavy loads or "
+                        "with stiff rods, so that links stretch by at most 1% at rest. Raising it "
+                        "costs less and errs more.",
+                        12),
            {.name = "compliance",
-            .meaning = "Stretch of each link per newton; 0: rigid links. Raising it softens the "
-                       "connector.",
+            .meaning = "Compliance of each link; 0: rigid links. Raising it softens the connector.",
             .unit = "m/N",
             .fallback = 0.0},
            {.name = "iterations",
-            .meaning = "Passes over all links in a step. Raising it stretches less and costs more.",
+            .meaning =
+                "Solver passes over all links per step. Raising it reduces stretch and costs more.",
             .unit = "1",
             .fallback = 1.0,
             .minimum = 1,

@@ -13,7 +13,6 @@ STUDY, SIM, RENDER, SCENES, FRONT = ("sim/study/README.md", "sim/README.md", "re
                                      "scenes/README.md", "README.md")
 DIRECT = "sim/methods/direct/README.md"
 EXPORT = "render/export/README.md"
-TESTS = "tests/README.md"
 ANSWERS = "tests/answers/README.md"
 OURS = "impulse,dynamic-constraints,multibody,springs,xpbd,direct"
 
@@ -109,18 +108,6 @@ def first(work):
     scene = (work.source / "scenes/tutorial/first.toml").read_text()
     return (f"```toml\n{scene}```\n\n```sh\nbuild/release/taut render scenes/tutorial/first.toml  # out/tutorial/first/first.mp4\n```\n"
             "![A rope lets a weight swing](assets/pictures/first.webp)")
-
-
-@result("build", TESTS)
-def build(work):
-    """compile units and size of a build"""
-    units = {}
-    for target in ("taut", "all"):
-        inputs = set(work.run(f"ninja -C {work.build} -t inputs {target}").split())
-        units[target] = sum(one.endswith(".o") for one in inputs)
-    size = int(work.run(f"du -sm {work.build}").split()[0])
-    work.commands = ["ninja -t inputs taut", "ninja -t inputs all", "du -sm build/release"]
-    return (f"The program is {units['taut']} compile units, everything with its tests {units['all']} and {size} MB.")
 
 
 @result("choose", FRONT, measured=False)

@@ -401,8 +401,8 @@ MethodInfo direct_method() {
           "all links at once, exactly, in linear time; order and step follow from the error asked "
           "for",
       .settings = {{.name = "tolerance",
-                    .meaning = "Largest RMS error of all particles, from the start on. Raising it "
-                               "costs less and errs more.",
+                    .meaning = "Largest RMS position error of all particles since the start. "
+                               "Raising it costs less and errs more.",
                     .unit = "m",
                     .fallback = 1e-4,
                     .maximum = 1e3,
@@ -410,8 +410,8 @@ MethodInfo direct_method() {
                     .sweep = {1.0, 3e-1, 1e-1, 3e-2, 1e-2, 5e-3, 3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4,
                               1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
                    {.name = "step",
-                    .meaning = "Fixed time step in place of the tolerance; 0: the tolerance "
-                               "chooses the steps. Raising it costs less and errs more.",
+                    .meaning = "Fixed time step instead of error control; 0: the steps follow from "
+                               "the tolerance. Raising it costs less and errs more.",
                     .unit = "s",
                     .fallback = 0.0,
                     .maximum = 1.0}},
