@@ -1,11 +1,14 @@
-// A scene's clip as pictures: its stage drawn at any of its states, with captions and cards.
+// A scene's clip as pictures: its stage drawn at any of its states, with captions and cards; and
+// pictures made of several.
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "render/draw/stage_renderer.h"
 #include "render/gl/canvas.h"
 #include "render/gl/gpu.h"
+#include "render/picture/picture.h"
 #include "render/picture/text.h"
 #include "scenes/scene/clip.h"
 
@@ -61,5 +64,12 @@ class Film {
   bool transparent_ = false;
   gl::Profile* profile_ = nullptr;
 };
+
+/// The picture with opacity that gives `on_black` over black and `on_white` over white. Its fourth
+/// bytes are opacity; its colours are not premultiplied.
+picture::Picture matte(const picture::Picture& on_black, const picture::Picture& on_white);
+
+/// Pictures of one size in a grid with `columns` columns.
+picture::Picture contact_sheet(std::span<const picture::Picture> pictures, int columns);
 
 }  // namespace taut::film

@@ -9,7 +9,7 @@
 #include "pulley_worlds.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
-#include "sim/winch/winch.h"
+#include "sim/world/connector.h"
 #include "sim/world/winched.h"
 
 namespace taut::pulley_friction_test {

@@ -1,6 +1,4 @@
 // Winches: lengths that change, against known answers, energy, momentum and the truth.
-#include "sim/winch/winch.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "sim/measure/measure.h"
 #include "sim/run/reduced.h"
 #include "sim/truth/truth.h"
+#include "sim/world/connector.h"
 #include "sim/world/winched.h"
 
 namespace taut::winch_test {
