@@ -1,9 +1,13 @@
-// A child process that reads all its input, writes its output and ends.
+// Child processes: a program that reads all its input, writes its output and ends; and a copy of
+// this process whose work is killed at its limits.
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace taut::render {
@@ -14,16 +18,44 @@ struct ChildResult {
   std::string errors;
 };
 
-/// A child that sits and does nothing for so long is taken to be blocked.
+/// A child that uses no CPU time for so long counts as blocked.
 constexpr std::chrono::milliseconds kPatience = std::chrono::minutes(1);
 
-/// Runs `arguments[0]`, found on the PATH and with no shell between, on `input` in `folder` (empty:
-/// the present one), and waits for its end. Input and output live in memory files, so neither side
-/// can block the other. A child that wants no CPU time for `patience` is killed, and its errors say
-/// so; one whose parent dies is killed by the kernel. Throws std::system_error where the program
-/// cannot be started, and Interrupted, the child killed.
+/// Runs the program `arguments[0]`, found on the PATH, without a shell, in `folder` (empty: the
+/// current one), and waits for its end. Input and output are memory files, so that neither side can
+/// block the other. A child that uses no CPU time for `patience` is killed, and `errors` says so;
+/// the kernel kills one whose parent dies. Throws std::system_error if the program cannot be
+/// started, and Interrupted once the child is killed.
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
                       std::chrono::milliseconds patience = kPatience,
                       const std::filesystem::path& folder = {});
+
+// Work within limits: in a copy of this process that is killed at a limit.
+
+struct Bounds {
+  double cpu_time = 0;     // s, more than 0
+  std::size_t memory = 0;  // bytes, beyond what the process has at the fork
+};
+
+/// Sends a text to the waiting process.
+using Say = std::function<void(std::string_view text)>;
+
+struct Bounded {
+  enum class End { done, no_time, no_memory, failed };
+  End end = End::failed;
+  std::string said;  // until the end
+};
+
+/// Runs `work` in a copy of this process (fork) and collects what it says until it returns or
+/// reaches a limit. An exception that leaves `work` ends it as `failed`, std::bad_alloc as
+/// `no_memory`; the cause must be said by `work`. The copy has the caller's thread only, and dies
+/// with the waiting thread. Throws std::system_error if the fork fails, and Interrupted once the
+/// copy is killed.
+Bounded run_bounded(const Bounds& bounds, const std::function<void(const Say& say)>& work);
+
+/// CPU time (s) of this process, all its threads together; of a copy since the fork.
+double process_seconds();
+/// CPU time (s) of all processes that this one started and that have ended.
+double children_seconds();
 
 }  // namespace taut::render

@@ -1,6 +1,4 @@
 // taut bench: the cost of each frame for each method, as in the paper's Figure 5.
-#include "sim/study/bench.h"
-
 #include <fmt/format.h>
 
 #include <memory>
@@ -10,8 +8,8 @@
 #include "render/chart/chart.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "render/study/bench_results.h"
+#include "sim/study/speed_accuracy.h"
 
 namespace taut::cli {
 namespace bench_command {

@@ -11,8 +11,6 @@
 #include "render/program/command.h"
 #include "render/program/output.h"
 #include "render/program/part.h"
-#include "render/program/progress.h"
-#include "render/study/accuracy_page.h"
 #include "render/study/accuracy_study.h"
 #include "render/study/model_error.h"
 #include "render/study/scoring.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "render/base/atomic_file.h"
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "render/chart/table.h"
 #include "render/export/csv.h"
 #include "render/film/caption.h"
@@ -28,7 +28,7 @@
 #include "render/program/output.h"
 #include "render/program/program.h"
 #include "scenes/files/error.h"
-#include "scenes/format/schema.h"
+#include "scenes/format/format.h"
 #include "scenes/load/default_stage.h"
 #include "scenes/load/faults.h"
 #include "scenes/load/load_scene.h"
@@ -39,7 +39,6 @@
 #include "sim/measure/measure.h"
 #include "sim/motion/printable.h"
 #include "sim/motion/stop.h"
-#include "sim/run/cpu_time.h"
 #include "sim/run/error_estimate.h"
 #include "sim/run/method.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "render/program/output.h"
 #include "scenes/scene/scene.h"
 

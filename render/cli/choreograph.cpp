@@ -11,7 +11,6 @@
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "scenes/load/load_scene.h"
 #include "sim/choreography/choreography.h"
 #include "sim/choreography/flat_fit.h"

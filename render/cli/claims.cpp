@@ -8,7 +8,6 @@
 #include "render/base/atomic_file.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "render/study/bench_results.h"
 
 namespace taut::cli {

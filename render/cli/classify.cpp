@@ -11,7 +11,6 @@
 #include "render/options/study_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "render/study/stability_study.h"
 #include "render/study/study_target.h"
 #include "sim/study/stability.h"

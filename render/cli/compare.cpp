@@ -12,7 +12,6 @@
 #include "render/options/study_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 
 namespace taut::cli {
 namespace compare_command {

@@ -3,7 +3,7 @@
 
 #include "render/cli/commands.h"
 #include "render/program/output.h"
-#include "scenes/files/asset_path.h"
+#include "scenes/files/files.h"
 
 namespace taut::cli {
 namespace demo_command {

@@ -8,18 +8,14 @@
 #include <set>
 
 #include "render/base/interrupt.h"
-#include "render/export/bvh.h"
 #include "render/export/csv.h"
-#include "render/export/gltf/glb.h"
+#include "render/export/frame_writer.h"
 #include "render/export/npz.h"
-#include "render/export/pc2.h"
-#include "render/export/usda.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "scenes/scene/scene.h"
 #include "sim/motion/printable.h"
 

@@ -12,7 +12,6 @@
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "sim/motion/printable.h"
 
 namespace taut::cli {

@@ -13,8 +13,7 @@
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "scenes/files/asset_path.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 
 namespace taut::cli {
 namespace new_command {

@@ -14,7 +14,7 @@
 #include "render/program/command.h"
 #include "render/program/output.h"
 #include "render/study/study_target.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/load/plan_file.h"
 

@@ -10,7 +10,7 @@
 #include "render/options/needs.h"
 #include "render/program/command.h"
 #include "render/program/program.h"
-#include "scenes/load/scene_files.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::cli {
 namespace render_command {
@@ -69,7 +69,7 @@ void add_render(CLI::App& app, program::Program& program) {
   options::add_scene_options(command, options->inputs, false);
   command.add_option("--out", options->out,
                      "The clip's folder; default: in out/, by the scene's path");
-  options::add_output_options(command, options->output);
+  clips::add_output_options(command, options->output);
   command.add_option("--frames", options->frames, "Frames to draw, as A-B,C; default: all");
   command.add_option("--size", options->size, "WxH in pixels; default: the scene's");
   command.add_option("--fps", options->fps, "Frames per second; default: the scene's")

@@ -6,7 +6,6 @@
 #include "render/chart/chart.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "render/study/stability_study.h"
 
 namespace taut::cli {

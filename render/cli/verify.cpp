@@ -9,7 +9,6 @@
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "render/study/known_answers.h"
 
 namespace taut::cli {

@@ -7,7 +7,6 @@
 #include "render/base/atomic_file.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 
 namespace taut::cli {
 namespace work_precision_command {

@@ -1,6 +1,7 @@
 #include "render/clip/clip_job.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -23,21 +24,117 @@
 #include "render/film/caption.h"
 #include "render/film/film.h"
 #include "render/film/frame_folder.h"
-#include "render/film/matte.h"
 #include "render/film/render_workers.h"
 #include "render/film/video.h"
 #include "render/gl/gpu.h"
+#include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
 #include "render/picture/text.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/scene/clip.h"
 #include "sim/motion/hash.h"
 
 namespace taut::clips {
+namespace {
+
+constexpr std::string_view kPicture = ".png";
+
+std::string ending_of(const std::string& file) {
+  return std::filesystem::path(file).extension().string();
+}
+
+/// The nearest even number of pixels, of a side that follows another.
+int even(double side) {
+  return std::max(2, 2 * static_cast<int>(std::lround(side / 2)));
+}
+
+}  // namespace
+
+bool OutputOptions::is_picture() const {
+  return ending_of(file) == kPicture;
+}
+
+void add_output_options(program::Command& command, OutputOptions& options) {
+  command
+      .add_option("-o,--output", options.file,
+                  "Output file: .mp4, .webm, .mov (ProRes 4444), .gif, .webp or .apng; .png is one "
+                  "picture, of the clip's middle or of --poster")
+      .type_name("FILE");
+  command.add_option("--quality", options.quality, "Quality of the video, 0 to 100; default 85")
+      .range(0, 100);
+  command.add_flag(
+      "--transparent", options.transparent,
+      "Transparent instead of background and scenery: frames, .png, .webm, .mov, .webp, .apng");
+  command
+      .add_option("--preset", options.preset,
+                  "draft: 640 pixels wide, 1 sample per pixel; final: the scene's size, 8 samples, "
+                  "in several passes if the driver has fewer; 4k: 3840 wide")
+      .one_of({"draft", "final", "4k"});
+  command.add_flag("--preview", options.preview,
+                   "Quick look: 480 pixels wide, 1 sharp sample per pixel, at most 24 frames a "
+                   "second, no estimate, in a folder of its own, preview");
+  command.add_flag(
+      "--watch", options.watch,
+      "Draw a poster whenever the scene or a file that it names is saved, until Ctrl-C");
+}
+
+void check_outputs(const OutputOptions& options, bool several, bool frames_alone) {
+  const std::string ending = ending_of(options.file);
+  if (!options.file.empty() && several) {
+    throw program::Misuse(
+        fmt::format("-o {}: one file for several scenes, expected --out FOLDER", options.file));
+  }
+  const auto known = film::video_endings();
+  if (!options.file.empty() && ending != kPicture &&
+      std::ranges::find(known, ending) == known.end()) {
+    throw program::Misuse(fmt::format("-o {}: expected a name that ends with {} or {}",
+                                      options.file, fmt::join(known, ", "), kPicture));
+  }
+  const bool opacity =
+      options.file.empty() ? frames_alone : ending == kPicture || film::keeps_opacity(ending);
+  if (options.transparent && !opacity) {
+    throw program::Misuse(fmt::format(
+        "--transparent: {} keeps no opacity; expected -o with .png, .webm, .mov, .webp or .apng, "
+        "or --no-video",
+        options.file.empty() ? "an .mp4" : options.file));
+  }
+}
+
+Preset preset_of(const OutputOptions& options, int width, int height, int samples) {
+  const double aspect = static_cast<double>(height) / width;
+  if (options.preview) return {480, even(480 * aspect), 1};
+  const std::string& name = options.preset;
+  if (name == "draft") return {640, even(640 * aspect), 1};
+  if (name == "final") return {width, height, 8};
+  if (name == "4k") return {3840, even(3840 * aspect), samples};
+  return {width, height, samples};
+}
+
+Provenance::Provenance(const scenes::Scene& scene, const std::string& file)
+    : title_(scene.title),
+      scene_(file),
+      method_(fmt::format("{} ({})", scene.method.name,
+                          options::settings_text(with_defaults(scene.method)))) {}
+
+picture::PngExtras Provenance::picture(double time, bool opacity) const {
+  return {opacity,
+          {{"Title", title_},
+           {"Software", fmt::format("taut {}", render::version())},
+           {"Source", scene_},
+           {"taut:time", fmt::format("{:.6g} s", time)},
+           {"taut:method", method_}}};
+}
+
+std::vector<std::pair<std::string, std::string>> Provenance::video() const {
+  return {{"title", title_}, {"comment", text()}};
+}
+
+std::string Provenance::text() const {
+  return fmt::format("taut {}, scene {}, method {}", render::version(), scene_, method_);
+}
 
 chart::Table stage_table(const gl::Profile& profile, const gl::Profile& unlit,
                          const draw::StageFloor& floor, std::size_t drawn) {
@@ -113,7 +210,7 @@ std::pair<std::vector<int>, int> on_sheet(const Stills& stills, const scenes::Sc
 }  // namespace
 
 std::string make_stills(const Stills& stills, const scenes::Scene& scene, film::Film& film,
-                        const std::filesystem::path& out, const options::Provenance& provenance) {
+                        const std::filesystem::path& out, const Provenance& provenance) {
   const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
   const auto draw_all = [&](const std::vector<int>& wanted, int shrink) {
     const auto open = scenes::record(scene, frames, wanted, render::stop_if_interrupted);
@@ -219,8 +316,8 @@ std::string ending_of(const RenderOptions& options) {
 
 /// Throws Misuse where options make no sense together.
 void check_options(const RenderOptions& options) {
-  options::check_outputs(options.output, options.inputs.several(),
-                         options.no_video || options.stills.poster || options.output.watch);
+  check_outputs(options.output, options.inputs.several(),
+                options.no_video || options.stills.poster || options.output.watch);
   const bool one_picture =
       options.stills.any() || options.output.is_picture() || options.output.watch;
   if ((options.part.is_part() || options.part.merge) && one_picture) {
@@ -236,7 +333,7 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
   backend = gl::backend_named(options.backend);
   scene = options::load_chosen(options.scene, true, options.method);
   const int planned_height = scene.height;
-  const options::Preset preset = options::preset_of(options.output, scene.width, scene.height, 4);
+  const Preset preset = preset_of(options.output, scene.width, scene.height, 4);
   std::tie(scene.width, scene.height) = std::pair(preset.width, preset.height);
   if (options.samples == 0) options.samples = preset.samples;
   if (!options.size.empty())
@@ -447,7 +544,7 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, film::RenderWorke
   FramesMade made;
   made.renderer = workers.context().description();
   const std::uint64_t shared = job.fingerprint(made.renderer);
-  const options::Provenance provenance = job.provenance();
+  const Provenance provenance = job.provenance();
   const bool transparent = job.options.output.transparent;
   picture::Font font(picture::Font::Weight::regular, picture::Font::Family::lato);
   const auto begin = Clock::now();

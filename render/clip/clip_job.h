@@ -14,16 +14,57 @@
 #include "render/draw/view.h"
 #include "render/film/film.h"
 #include "render/film/frame_folder.h"
+#include "render/film/video.h"
 #include "render/gl/context.h"
 #include "render/gl/gpu.h"
 #include "render/options/method_options.h"
-#include "render/options/outputs.h"
 #include "render/options/scene_options.h"
+#include "render/picture/picture.h"
+#include "render/program/command.h"
 #include "render/program/part.h"
 #include "render/study/scoring.h"
 #include "scenes/scene/clip.h"
 
 namespace taut::clips {
+
+// The output of a clip: kind of file, quality, opacity, and the metadata in the file.
+
+struct OutputOptions {
+  std::string file;  // empty: an .mp4 in the clip's folder
+  std::string preset;
+  int quality = 85;
+  bool transparent = false, watch = false, preview = false;
+
+  /// True for a single picture.
+  bool is_picture() const;
+};
+
+void add_output_options(program::Command& command, OutputOptions& options);
+
+/// Throws Misuse if files of that ending cannot be written or cannot be transparent, or if several
+/// scenes would share a file.
+void check_outputs(const OutputOptions& options, bool several, bool frames_alone);
+
+/// The size (px, even) and the samples of a preset or a preview.
+struct Preset {
+  int width, height, samples;
+};
+Preset preset_of(const OutputOptions& options, int width, int height, int samples);
+
+/// The metadata of a run's pictures: program, scene, method.
+class Provenance {
+ public:
+  Provenance(const scenes::Scene& scene, const std::string& file);
+
+  /// For a picture at `time` of the scene (s).
+  picture::PngExtras picture(double time, bool opacity) const;
+  std::vector<std::pair<std::string, std::string>> video() const;
+  /// All of it in one text.
+  std::string text() const;
+
+ private:
+  std::string title_, scene_, method_;
+};
 
 // The costs of the stages of drawing a frame, as a table and as JSON.
 
@@ -49,7 +90,7 @@ struct Stills {
 /// Writes them into the folder `out`, the poster under its name where it has one, and returns their
 /// names, one a line. Throws Misuse where the clip has nothing of the kind, and CannotWrite.
 std::string make_stills(const Stills& stills, const scenes::Scene& scene, film::Film& film,
-                        const std::filesystem::path& out, const options::Provenance& provenance);
+                        const std::filesystem::path& out, const Provenance& provenance);
 
 inline constexpr const char* kParts = "frames";  // the name of a clip's parts
 inline constexpr const char* kRecord =
@@ -66,7 +107,7 @@ struct RenderOptions {
   bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
   bool no_estimate = false;
   Stills stills;
-  options::OutputOptions output;
+  OutputOptions output;
   options::MethodOptions method;
   program::PartOptions part;
 };
@@ -78,7 +119,7 @@ struct ClipJob {
   ClipJob& operator=(const ClipJob&) = delete;
 
   film::FrameFolder::Size size() const { return {scene.width, scene.height}; }
-  options::Provenance provenance() const { return {scene, options.scene}; }
+  Provenance provenance() const { return {scene, options.scene}; }
   /// Of everything that all frames are made from, by the renderer of that description.
   std::uint64_t fingerprint(const std::string& renderer) const;
 

@@ -11,7 +11,6 @@
 
 #include "render/base/interrupt.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "render/study/study_target.h"
 #include "sim/evaluation/accuracy.h"
 #include "sim/evaluation/run.h"

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "render/draw/shading/contact.h"
 #include "render/draw/shading/drawable.h"
 #include "render/draw/shading/room_light.h"
 #include "render/draw/shading/shadow_map.h"

@@ -1,11 +1,10 @@
-#include "render/export/bvh.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "render/export/frame_writer.h"
 #include "scenes/character/skeleton.h"
 #include "scenes/format/document.h"
 

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
+#include "scenes/scene/clip.h"
 #include "sim/run/method.h"
+#include "sim/run/simulation.h"
 
 namespace taut::exporting {
 
@@ -110,6 +114,48 @@ Quat looking(const Vec3& direction) {
 int parts_of_frame(const scenes::Scene& scene) {
   const bool equal = step_of(with_defaults(scene.method)) > 0;
   return equal ? 64 : 16;
+}
+
+namespace {
+
+/// Times between frame `frame` and the next at which a method of equal steps stops by itself.
+std::vector<double> times_between(const scenes::Scene& scene, int frame, int parts) {
+  std::vector<double> times;
+  const double first = double(frame) / scene.fps, last = double(frame + 1) / scene.fps;
+  for (int i = 1; i < parts; ++i) {
+    const double time = scenes::own_time(scene, (frame + double(i) / parts) / scene.fps);
+    if (time > (times.empty() ? first : times.back()) && time < last) times.push_back(time);
+  }
+  return times;
+}
+
+}  // namespace
+
+void play(const scenes::Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick) {
+  const int frames = scene.frames(), parts = writer.states_per_frame();
+  if (parts == 0) {
+    for (int frame = 0; frame < frames; ++frame) {
+      writer.add({true, {double(frame) / scene.fps, {}, {}}, {}});
+      tick(frame + 1);
+    }
+    return writer.finish();
+  }
+  Simulation simulation = start(scene);
+  const ShownVelocities velocities(scene.world, scene.timeline);
+  std::optional<Between> between;
+  if (parts > 1) between.emplace(start(scene));
+  for (int frame = 0; frame < frames; ++frame) {
+    World before;
+    if (between) before = simulation.world();
+    simulation.advance_to(double(frame) / scene.fps);
+    const Snapshot state = simulation.state();
+    if (between && frame > 0)
+      for (Snapshot& shown : between->states(before, times_between(scene, frame - 1, parts), state))
+        writer.add({false, std::move(shown), {}});
+    writer.add({true, state, velocities.of(simulation)});
+    tick(frame + 1);
+  }
+  writer.finish();
 }
 
 }  // namespace taut::exporting

@@ -1,4 +1,5 @@
-// The input of every format of an export, and the sink of its bytes.
+// The formats of an export: the states that a format receives, what several formats need, and a
+// writer of each format.
 #pragma once
 
 #include <functional>
@@ -91,5 +92,27 @@ Quat looking(const Vec3& direction);
 /// Into how many parts to divide a frame to see what happens meanwhile: a method of equal steps
 /// shows as many of its own as that; one that chooses its steps has to stop for each.
 int parts_of_frame(const scenes::Scene& scene);
+
+// The writers of the formats; csv.h and npz.h have theirs.
+
+/// Animated binary glTF 2.0: bodies, characters, connectors, scenery, cameras and the key light. A
+/// particle's node is where the simulation had it, to float's rounding at every frame and within
+/// 0.1 mm between frames. The scene needs no stage, and must outlive the writer. Throws BadScene if
+/// a connector has more particles than a skin may have joints.
+std::unique_ptr<FrameWriter> glb_writer(const scenes::Scene& scene, WriteBytes write);
+
+/// A character's motion as BVH: the skeleton at rest, and for every frame the position of its root
+/// (m) and the rotations of its bones (degrees, about z, x and y). Throws BadScene unless the stage
+/// has exactly one character, with one root.
+std::unique_ptr<FrameWriter> bvh_writer(const scenes::Scene& scene, WriteBytes write);
+
+/// PC2 point caches, for Blender's Mesh Cache modifier: the particles of all connectors, one
+/// connector after another; one sample a frame.
+std::unique_ptr<FrameWriter> pc2_writer(const scenes::Scene& scene, WriteBytes write);
+
+/// USD in text: connectors as BasisCurves of their particles, bodies with their meshes, cameras and
+/// the key light. Time codes are frames, with more between them if a motion is off a straight line
+/// by more than 0.1 mm. The scene needs no stage, and must outlive the writer.
+std::unique_ptr<FrameWriter> usda_writer(const scenes::Scene& scene, WriteBytes write);
 
 }  // namespace taut::exporting

@@ -1,5 +1,3 @@
-#include "render/export/usda.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>

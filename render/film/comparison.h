@@ -1,5 +1,5 @@
 // Methods in one picture: a panel of the scene for each, or all over each other in one; charts and
-// costs under them; and the clip that they make.
+// costs under them; the clip that they make, and the camera that frames them.
 #pragma once
 
 #include <cmath>
@@ -7,16 +7,18 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "render/chart/chart.h"
 #include "render/chart/table.h"
 #include "render/draw/stage_renderer.h"
-#include "render/film/matte.h"
+#include "render/film/film.h"
 #include "render/gl/canvas.h"
 #include "render/picture/text.h"
 #include "scenes/scene/scene.h"
+#include "scenes/scene/stage.h"
 
 namespace taut::film {
 
@@ -204,5 +206,17 @@ class ComparisonFilm {
   std::optional<Moment> last_;  // drawn, and its picture
   picture::Picture last_picture_;
 };
+
+/// The camera turned and zoomed, not moved, so that all points (m) lie in the picture below `top`,
+/// a share of its height, with a small margin. Points behind the camera are ignored. `aspect`:
+/// width / height of the picture.
+scenes::CameraView framed(const scenes::CameraView& camera, std::span<const Vec3> points,
+                          double aspect, double top);
+
+/// Pixels per metre at the distance of the camera's target, in a picture `height` pixels high.
+double pixels_per_metre(const scenes::CameraView& camera, int height);
+
+/// The longest length (m) of 1, 2 or 5 times a power of ten that is at most `most`.
+double round_length(double most);
 
 }  // namespace taut::film

@@ -1,16 +1,34 @@
-// A scene's clip as pictures: its stage drawn at any of its states, with captions and cards.
+// A scene's clip as pictures: its stage drawn at any of its states, with captions and cards; and
+// pictures made of several.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
+#include <span>
 
 #include "render/draw/stage_renderer.h"
-#include "render/film/matte.h"
 #include "render/gl/canvas.h"
 #include "render/gl/gpu.h"
+#include "render/picture/picture.h"
 #include "render/picture/text.h"
 #include "scenes/scene/clip.h"
 
 namespace taut::film {
+
+/// The pictures whose mean has `samples` per pixel where a driver has at most `limit`.
+struct Passes {
+  Passes(int samples, int limit)
+      : count((samples + limit - 1) / limit), each((samples + count - 1) / count) {}
+  int count, each;  // pictures, and the samples of each
+  /// What picture `i` is moved by, px: so that its samples lie between those of the others.
+  Eigen::Vector2f shift(int i) const {
+    const float x = (float(i) - float(count - 1) / 2) / float(count * each);
+    return {x, -x};
+  }
+};
+
+/// The mean of the light of pictures of one size.
+picture::Picture mean(std::span<const picture::Picture> pictures);
 
 /// Everything that moves, in this state, by the scene's camera: characters pose by its time.
 draw::FrameState instant_of(const scenes::Scene& scene, const Snapshot& state);
@@ -63,5 +81,12 @@ class Film {
   bool transparent_ = false;
   gl::Profile* profile_ = nullptr;
 };
+
+/// The picture with opacity that gives `on_black` over black and `on_white` over white. Its fourth
+/// bytes are opacity; its colours are not premultiplied.
+picture::Picture matte(const picture::Picture& on_black, const picture::Picture& on_white);
+
+/// Pictures of one size in a grid with `columns` columns.
+picture::Picture contact_sheet(std::span<const picture::Picture> pictures, int columns);
 
 }  // namespace taut::film

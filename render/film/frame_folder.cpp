@@ -13,7 +13,7 @@
 #include <system_error>
 
 #include "render/base/error.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "sim/motion/hash.h"
 
 namespace taut::film {

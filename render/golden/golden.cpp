@@ -12,7 +12,7 @@
 #include "render/chart/html_page.h"
 #include "render/chart/table.h"
 #include "render/golden/golden_trajectory.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 
 namespace taut::golden {
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/base/interrupt.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 

@@ -10,7 +10,7 @@
 #include "render/base/atomic_file.h"
 #include "render/film/frame_folder.h"
 #include "render/program/command.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/load/load_scene.h"
 #include "sim/evaluation/run.h"
 #include "sim/motion/hash.h"

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 
 namespace taut::picture {
 namespace {

@@ -9,7 +9,7 @@
 #include <set>
 #include <tuple>
 
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "render/base/interrupt.h"
 #include "render/chart/table.h"
 #include "render/draw/motion_extents.h"
@@ -17,7 +17,6 @@
 #include "render/options/study_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/load/plan_file.h"
@@ -29,7 +28,7 @@
 #include "sim/run/reduced.h"
 #include "sim/study/planner.h"
 #include "sim/study/speed_accuracy.h"
-#include "sim/topology/span.h"
+#include "sim/topology/components.h"
 
 namespace taut::planning {
 namespace {

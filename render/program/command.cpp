@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "render/program/help.h"
-#include "scenes/files/asset_path.h"
+#include "scenes/files/files.h"
 
 namespace taut::program {
 namespace {

@@ -1,11 +1,14 @@
-// How commands speak: exit codes, messages, results as JSON, and where a result goes.
+// How commands speak: exit codes, messages, progress, results as JSON, and where a result goes.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <cstdio>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -13,6 +16,7 @@
 #include <utility>
 
 #include "render/base/atomic_file.h"
+#include "render/chart/table.h"
 #include "sim/motion/printable.h"
 
 namespace taut::program {
@@ -81,7 +85,6 @@ class Output {
  public:
   explicit Output(const std::string& name);
 
-  bool is_standard() const { return !file_; }
   std::uint64_t written() const { return written_; }
 
   /// Throws CannotWrite, as does finish().
@@ -100,5 +103,45 @@ void write_text(std::string_view text);
 
 /// True where such an output goes to standard output.
 bool to_standard_output(const std::string& name);
+
+// The terminal, and the progress of long work on standard error.
+
+/// True if text on this stream (1 or 2) may be coloured: on a terminal unless NO_COLOR is set, and
+/// always if CLICOLOR_FORCE is set.
+bool is_colored(int stream);
+
+/// The table as standard output shows it: in lines no wider than the terminal, or than COLUMNS
+/// says, the names of its columns bold where there are colours. A pipe or file gets whole lines.
+std::string table_text(const chart::Table& table);
+
+class Progress {
+ public:
+  /// `what` as in "rendering", `unit` as in "frames". Silent when `quiet`.
+  Progress(std::string what, std::string unit, std::uint64_t total, bool quiet);
+  /// Clears the progress line. If an interruption ends the work, left_off() tells how far it was.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Shows that `done` of the total are finished.
+  void update(std::uint64_t done);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string what_, unit_;
+  std::uint64_t total_, done_ = 0;
+  int exceptions_ = std::uncaught_exceptions();
+  bool quiet_, terminal_;
+  bool shown_ = false;
+  Clock::time_point start_, last_;
+};
+
+/// The progress of the innermost work that an interruption ended: "simulating: 3 of 60 frames".
+/// Empty if none was interrupted.
+const std::string& left_off();
+
+/// A duration as h:mm:ss or m:ss.
+std::string clock_text(double seconds);
 
 }  // namespace taut::program

@@ -17,8 +17,7 @@
 #include "render/base/error.h"
 #include "render/base/interrupt.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 
 namespace taut::program {
 namespace {

@@ -24,7 +24,6 @@
 #include "render/program/command.h"
 #include "render/program/help.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "scenes/files/error.h"
 #include "scenes/format/document.h"
 #include "sim/interventions/interventions.h"

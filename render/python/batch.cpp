@@ -10,8 +10,8 @@
 #include <thread>
 #include <variant>
 
+#include "render/python/errors.h"
 #include "render/python/scene.h"
-#include "render/python/signals.h"
 
 namespace taut::python {
 namespace {

@@ -1,18 +1,19 @@
-// Values on their way between Python and taut.
+// Values between Python and taut, and numpy arrays that show a simulation's memory.
 #pragma once
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "scenes/scene/scene.h"
+#include "sim/motion/types.h"
 #include "sim/world/world.h"
 
 namespace taut::python {
-
 namespace py = pybind11;
 
 /// Numbers in C order, converted where they are of another kind.
@@ -64,5 +65,28 @@ MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
 
 /// Makes a method of a build that has it, for a world. Throws std::invalid_argument.
 std::unique_ptr<Method> made_method(const World& world, const MethodChoice& choice);
+
+// Arrays of numpy that show memory of a simulation.
+
+/// The arrays that show vectors of one object. The object may change, move and free them: before it
+/// does, detach() leaves to each array the memory that it shows.
+class Windows {
+ public:
+  /// The vectors as an array (n, 3), without a copy. `owner` keeps them.
+  pybind11::array open(std::vector<Vec3>& vectors, std::shared_ptr<const void> owner,
+                       bool writeable);
+
+  /// From now on the arrays show what they show now, and the object has memory of its own. Costs
+  /// nothing where no array is left.
+  void detach();
+
+ private:
+  struct Window {
+    std::vector<Vec3>* shown = nullptr;
+    std::shared_ptr<const void> owner;
+    std::vector<Vec3> kept = {};
+  };
+  std::vector<std::weak_ptr<Window>> open_;
+};
 
 }  // namespace taut::python

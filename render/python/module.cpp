@@ -2,7 +2,6 @@
 #include "render/base/version.h"
 #include "render/python/errors.h"
 #include "render/python/scene.h"
-#include "render/python/signals.h"
 #include "render/python/simulation.h"
 #include "render/python/world.h"
 #include "sim/motion/stop.h"

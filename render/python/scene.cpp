@@ -8,9 +8,8 @@
 #include <stdexcept>
 
 #include "render/python/errors.h"
-#include "render/python/signals.h"
 #include "render/python/simulation.h"
-#include "scenes/files/asset_path.h"
+#include "scenes/files/files.h"
 #include "scenes/load/faults.h"
 #include "scenes/load/load_scene.h"
 

@@ -13,7 +13,7 @@
 #include "render/base/atomic_file.h"
 #include "render/python/errors.h"
 #include "render/python/world.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "sim/measure/measure.h"
 #include "sim/run/forces.h"
 

@@ -5,8 +5,7 @@
 #include <memory>
 
 #include "render/python/convert.h"
-#include "render/python/signals.h"
-#include "render/python/windows.h"
+#include "render/python/errors.h"
 #include "sim/run/simulation.h"
 
 namespace taut::python {

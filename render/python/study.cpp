@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 
+#include "render/python/errors.h"
 #include "render/python/scene.h"
-#include "render/python/signals.h"
 #include "sim/evaluation/run.h"
 #include "sim/study/speed_accuracy.h"
 #include "sim/truth/truth.h"

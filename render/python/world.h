@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "render/python/convert.h"
-#include "render/python/windows.h"
 
 namespace taut::python {
 

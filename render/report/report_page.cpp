@@ -14,9 +14,8 @@
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
 #include "render/study/accuracy_study.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "sim/run/method.h"
 
 namespace taut::report {

@@ -10,7 +10,6 @@
 #include "render/program/command.h"
 #include "render/program/output.h"
 #include "render/program/program.h"
-#include "render/program/progress.h"
 #include "render/study/study_target.h"
 
 namespace taut::studies {

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "render/options/study_options.h"
-#include "sim/study/bench.h"
-#include "sim/study/paper_ratio.h"
+#include "sim/study/speed_accuracy.h"
 
 namespace taut::studies {
 

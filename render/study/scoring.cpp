@@ -7,9 +7,9 @@
 #include <limits>
 #include <sstream>
 
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "render/base/interrupt.h"
-#include "render/program/progress.h"
+#include "render/program/output.h"
 #include "sim/evaluation/run.h"
 
 namespace taut::studies {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/program/part.h"
-#include "render/study/accuracy_page.h"
+#include "render/study/accuracy_study.h"
 #include "render/study/study_target.h"
 #include "scenes/scene/scene.h"
 #include "sim/run/error_estimate.h"

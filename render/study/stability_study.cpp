@@ -9,13 +9,12 @@
 #include <optional>
 #include <span>
 
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "render/base/interrupt.h"
 #include "render/chart/html_page.h"
 #include "render/options/method_options.h"
 #include "render/program/output.h"
 #include "render/program/part.h"
-#include "render/program/progress.h"
 #include "render/study/study_target.h"
 #include "scenes/files/error.h"
 

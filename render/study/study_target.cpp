@@ -11,8 +11,7 @@
 #include "render/draw/shading/lighting.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/program/progress.h"
-#include "sim/run/cpu_time.h"
+#include "sim/motion/stop.h"
 
 namespace taut::studies {
 namespace {

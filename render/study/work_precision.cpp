@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"

@@ -1,5 +1,6 @@
-// A martial artist who holds a stick: poses worked out from the hand's path alone, so that moving
-// one key of the path moves hand, arm, body and stick together.
+// Characters as functions of time: one who holds a stick, posed from the hand's path alone, so that
+// a changed key moves hand, arm, body and stick together; and one who moves as an animation of its
+// file says.
 #pragma once
 
 #include <memory>
@@ -33,5 +34,26 @@ void check_figure(const Model& model, const HeldStick& right_hand);
 
 /// The path of a bone over [0, duration] (s), so that what hangs on it can be simulated.
 Path bone_path(const Performance& performance, std::size_t bone, double duration);
+
+// A character that moves as an animation of its file says, and what its hand carries.
+
+/// How an animation is played.
+struct Playback {
+  std::size_t animation = 0;  // index into Model::animations
+  double from = 0;            // s: its time when the scene begins
+  double speed = 1;           // its seconds for each of the scene's
+  Pose place;                 // where the model's origin stands
+};
+
+/// The poses of the animation; before its beginning and after its end its first and last. If the
+/// right hand holds a stick of that diameter (m; 0: none) and has fingers, these are closed round
+/// it. Throws BadAsset when the model lacks a bone that this takes.
+std::shared_ptr<const Performance> play_animation(std::shared_ptr<const Model> model,
+                                                  const Playback& playback, double held_diameter);
+
+/// The path of a stick of that diameter in the right hand, its y axis along the stick, over
+/// [0, duration] (s). Throws BadAsset when the model lacks a bone that this takes.
+Path held_path(const Performance& performance, const Model& model, double diameter,
+               double duration);
 
 }  // namespace taut::scenes

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/character/bone_names.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/character/skeleton.h"
+#include "scenes/files/files.h"
 #include "sim/motion/side_by_side.h"
 
 namespace taut::scenes {

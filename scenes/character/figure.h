@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "scenes/character/hand.h"
-#include "scenes/character/limb.h"
 #include "scenes/character/skeleton.h"
 
 namespace taut::scenes {

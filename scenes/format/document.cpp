@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "scenes/files/error.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 
 namespace taut::scenes {
 

@@ -85,4 +85,10 @@ FirstFaults format_faults(const Document& document);
 /// True where a key is one of the scene format, by its first word.
 bool is_scene_key(std::string_view key);
 
+// The format of scene files, for editors.
+
+/// A JSON Schema (draft 7, which editors know best) of what load_scene accepts, made from the same
+/// description by which scenes are checked.
+std::string scene_schema();
+
 }  // namespace taut::scenes

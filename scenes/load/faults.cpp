@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "scenes/character/limb.h"
+#include "scenes/character/skeleton.h"
 #include "scenes/format/format.h"
 #include "scenes/format/scene_format.h"
 #include "scenes/load/default_stage.h"

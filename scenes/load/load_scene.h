@@ -1,4 +1,4 @@
-// Reading scenes from TOML files.
+// Reading scenes from TOML files, and the list of the files that a scene consists of.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 
 namespace taut::scenes {
 
-/// Reads and checks a scene. Throws BadScene. Of its assets only characters are looked at
-/// unless `with_stage`.
+/// Reads and checks a scene. Throws BadScene. Without `with_stage` it loads no assets but
+/// characters.
 Scene load_scene(const std::filesystem::path& file, bool with_stage,
                  const std::vector<SceneChange>& changes = {});
 
@@ -33,5 +33,9 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage);
 /// them need not be there. Nothing where the scene has no choreography. Throws BadScene.
 std::optional<Choreographed> load_choreography(const std::filesystem::path& file,
                                                const std::vector<SceneChange>& changes = {});
+
+/// The files of a scene: its own, the one that it extends, and the models, paths and winds that it
+/// names and that exist. Only its own if that cannot be read.
+std::vector<std::filesystem::path> scene_files(const std::filesystem::path& scene);
 
 }  // namespace taut::scenes

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/reader/reader.h"
 #include "sim/motion/hash.h"
 #include "sim/run/simulation.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "scenes/scene/plan.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::scenes {
 

@@ -1,5 +1,3 @@
-#include "scenes/model/bvh.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +7,9 @@
 #include <optional>
 #include <string_view>
 
-#include "scenes/files/regular_file.h"
-#include "scenes/model/limits.h"
+#include "scenes/files/files.h"
+#include "scenes/model/formats.h"
+#include "scenes/model/model.h"
 #include "sim/motion/printable.h"
 
 namespace taut::scenes {

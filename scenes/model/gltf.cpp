@@ -1,18 +1,510 @@
-// The structure follows the glTF 2.0 specification (Khronos, 2021), sections 3.5 to 3.9 and 4.
-#include "scenes/model/gltf.h"
+// glTF files, proved sound and reduced to what a model uses. The structure follows the glTF 2.0
+// specification (Khronos, 2021), sections 3.5 to 3.9 and 4.
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "scenes/model/gltf_source.h"
-#include "scenes/model/gltf_textures.h"
-#include "scenes/model/limits.h"
+#include "scenes/files/files.h"
+#include "scenes/model/formats.h"
+#include "scenes/model/model.h"
+#include "scenes/model/named_files.h"
+#include "sim/motion/printable.h"
 
 namespace taut::scenes {
 namespace {
+
+// The file as read: JSON with typed access, buffers, and accessors proved to be in range.
+
+using Json = nlohmann::json;
+
+/// Component types of accessors (glTF 2.0, section 3.6.2.2).
+enum GltfComponent : std::uint64_t {
+  i8 = 5120,
+  u8 = 5121,
+  i16 = 5122,
+  u16 = 5123,
+  u32 = 5125,
+  f32 = 5126
+};
+
+/// An accessor whose elements all lie inside the buffers.
+struct GltfAccessor {
+  std::size_t offset = 0;  // of the first element in GltfSource::binary(), bytes
+  std::size_t stride = 0, count = 0, elements = 0;
+  std::uint64_t component = 0;
+  std::string type;
+  bool normalized = false;
+
+  std::size_t item_size() const;  // bytes
+};
+
+/// All members throw BadAsset for what the file gets wrong; `where` names the place in messages, as
+/// in "meshes[2]".
+class GltfSource {
+ public:
+  /// Reads the container (GLB or plain JSON) and every buffer. Nothing else may be asked of it
+  /// where `files`, which it takes those from that lie in files of their own, wants some of them.
+  GltfSource(const std::filesystem::path& file, const std::string& content, NamedFiles& files);
+
+  template <typename... Args>
+  [[noreturn]] void fail(fmt::format_string<Args...> text, Args&&... args) const {
+    throw bad_asset(file_, fmt::format(text, std::forward<Args>(args)...));
+  }
+
+  const Json& root() const { return json_; }
+  /// An array of the root, or an empty one.
+  const Json& list(const char* key) const { return list(json_, key, "its JSON"); }
+  const Json& list(const Json& in, const char* key, const std::string& where) const;
+  /// An object in an array of the root.
+  const Json& item(const char* key, std::size_t index) const;
+  std::size_t whole(const Json& in, const char* key, const std::string& where,
+                    std::optional<std::size_t> fallback = {}) const;
+  std::size_t index(const Json& value, std::size_t count, const std::string& what) const;
+  double number(const Json& value, const std::string& what) const;
+  /// The object's name as it is printable(), or `fallback` where it has none.
+  std::string name(const Json& in, const std::string& fallback) const;
+
+  /// The accessor that `value` is the index of.
+  GltfAccessor accessor(const Json& value, const std::string& used_by) const;
+  /// The bytes of an image (PNG or another format); nothing where `files` has yet to get it.
+  std::optional<std::string> image(std::size_t index, NamedFiles& files) const;
+
+  /// One unsigned component of an accessor.
+  std::uint32_t integer(const GltfAccessor& a, std::size_t item, std::size_t element) const;
+  /// One component of any type; a normalized one as a share of 1 (glTF 2.0, section 3.6.2.2).
+  float component(const GltfAccessor& a, std::size_t item, std::size_t element) const;
+
+  /// All buffers, one after the other, each from a multiple of 4.
+  const std::string& binary() const { return binary_; }
+
+ private:
+  void read_container(const std::string& content);
+  void gather_buffers(NamedFiles& files);
+  /// What a uri says or names; nothing where `files` has yet to get it.
+  std::optional<std::string> from_uri(const Json& uri, const std::string& where,
+                                      const char* expected, NamedFiles& files) const;
+  /// Where the view that `value` is the index of starts in binary(), and its length; bytes.
+  std::pair<std::size_t, std::size_t> view(const Json& value, const std::string& used_by) const;
+  std::string from_base64(const std::string& text, const std::string& where) const;
+
+  const std::filesystem::path& file_;
+  Json json_;
+  std::string binary_;
+  std::optional<std::string> chunk_;                          // the BIN chunk of a GLB
+  std::vector<std::pair<std::size_t, std::size_t>> buffers_;  // start in binary_, length
+};
+
+constexpr int nesting_limit = 64;  // of JSON values
+constexpr std::size_t name_limit = 200;
+constexpr std::size_t header = 12, chunk_header = 8;  // of a GLB, bytes
+constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
+
+std::size_t size_of(std::uint64_t component) {
+  if (component == i8 || component == u8) return 1;
+  return component == i16 || component == u16 ? 2 : 4;
+}
+
+std::size_t elements_of(const std::string& type) {
+  static const std::map<std::string, std::size_t> counts = {
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+  const auto found = counts.find(type);
+  return found == counts.end() ? 0 : found->second;
+}
+
+std::uint32_t little_endian(const std::string& bytes, std::size_t at, std::size_t size = 4) {
+  std::uint32_t value = 0;
+  for (std::size_t i = size; i-- > 0;)
+    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+/// Whether the shape of a model is the same without this extension, which changes its look.
+bool changes_looks(std::string_view extension) {
+  constexpr std::string_view kinds[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_",
+                                        "EXT_texture_",   "EXT_lights_",  "MSFT_texture_"};
+  return std::ranges::any_of(kinds, [&](std::string_view k) { return extension.starts_with(k); });
+}
+
+/// How deep lists and objects of a JSON text lie in each other.
+int nesting(const std::string& text) {
+  int depth = 0, most = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') quoted = !quoted;
+    if (quoted) {
+      if (c == '\\') ++i;
+    } else if (c == '{' || c == '[') {
+      most = std::max(most, ++depth);
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return most;
+}
+
+std::size_t GltfAccessor::item_size() const {
+  return elements * size_of(component);
+}
+
+/// Whether a model is read with all that this extension adds to it.
+bool is_supported_extension(std::string_view name) {
+  return name == "KHR_mesh_quantization" || name == "KHR_texture_transform" ||
+         name == "KHR_materials_pbrSpecularGlossiness";
+}
+
+GltfSource::GltfSource(const std::filesystem::path& file, const std::string& content,
+                       NamedFiles& files)
+    : file_(file) {
+  read_container(content);
+  for (const Json& name : list("extensionsRequired")) {
+    const std::string text = name.is_string() ? name.get<std::string>() : "";
+    if (!is_supported_extension(text) && !changes_looks(text))
+      fail("needs the extension {}, which is not supported", name.dump());
+  }
+  gather_buffers(files);
+}
+
+void GltfSource::read_container(const std::string& content) {
+  std::string text = content;
+  if (content.compare(0, 4, "glTF") == 0) {
+    const std::size_t first = header + chunk_header;
+    if (content.size() < first) fail("truncated: {} bytes are too few for a GLB", content.size());
+    if (little_endian(content, 4) != 2)
+      fail("GLB version {}, expected 2", little_endian(content, 4));
+    const std::size_t length = little_endian(content, 8);
+    if (length > content.size())
+      fail("truncated: its header says {} bytes, the file has {}", length, content.size());
+    if (length < first) fail("its header says {} bytes, too few for a GLB", length);
+    const std::size_t json_size = little_endian(content, header);
+    if (little_endian(content, header + 4) != json_chunk) fail("its first chunk is not JSON");
+    if (json_size > length - first) fail("its JSON chunk of {} bytes does not fit", json_size);
+    text = content.substr(first, json_size);
+    const std::size_t second = first + (json_size + 3) / 4 * 4;
+    if (second + chunk_header <= length) {
+      const std::size_t size = little_endian(content, second);
+      if (little_endian(content, second + 4) != bin_chunk) fail("its second chunk is not BIN");
+      if (size > length - second - chunk_header)
+        fail("its BIN chunk of {} bytes does not fit", size);
+      chunk_ = content.substr(second + chunk_header, size);
+    }
+  } else if (file_.extension() == ".glb") {
+    fail("not a GLB file: it does not start with \"glTF\"");
+  }
+  // A parser that recurses, as the importer's does, would run out of stack on deeply nested text.
+  if (nesting(text) > nesting_limit) fail("JSON nested more than {} deep", nesting_limit);
+  try {
+    json_ = Json::parse(text);
+  } catch (const Json::exception& error) {
+    fail("broken JSON: {}", error.what());
+  }
+  if (!json_.is_object()) fail("its JSON is not an object");
+  const auto asset = json_.find("asset");
+  if (asset == json_.end() || !asset->is_object()) fail("its asset must be an object");
+  const Json version = asset->value("version", Json());
+  if (!version.is_string() || version.get_ref<const std::string&>().compare(0, 2, "2.") != 0)
+    fail("asset.version is {}, expected \"2.0\"", version.dump());
+}
+
+const Json& GltfSource::list(const Json& in, const char* key, const std::string& where) const {
+  static const Json none = Json::array();
+  const auto found = in.find(key);
+  if (found == in.end()) return none;
+  if (!found->is_array()) fail("{}: {} must be an array", where, key);
+  return *found;
+}
+
+const Json& GltfSource::item(const char* key, std::size_t index) const {
+  const Json& object = list(key)[index];
+  if (!object.is_object()) fail("{}[{}] must be an object", key, index);
+  return object;
+}
+
+std::size_t GltfSource::whole(const Json& in, const char* key, const std::string& where,
+                              std::optional<std::size_t> fallback) const {
+  const auto found = in.find(key);
+  if (found == in.end()) {
+    if (!fallback) fail("{} lacks {}", where, key);
+    return *fallback;
+  }
+  if (!found->is_number_unsigned()) fail("{}.{} must be a whole number", where, key);
+  const auto value = found->get<std::uint64_t>();
+  if (value > std::numeric_limits<std::uint32_t>::max()) fail("{}.{} is too large", where, key);
+  return value;
+}
+
+std::size_t GltfSource::index(const Json& value, std::size_t count, const std::string& what) const {
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= count)
+    fail("{} is {}, expected an index below {}", what, value.dump(), count);
+  return value.get<std::size_t>();
+}
+
+double GltfSource::number(const Json& value, const std::string& what) const {
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    fail("{} must be a finite number", what);
+  return value.get<double>();
+}
+
+std::string GltfSource::name(const Json& in, const std::string& fallback) const {
+  const auto found = in.find("name");
+  if (found == in.end() || !found->is_string()) return fallback;
+  const auto& text = found->get_ref<const std::string&>();
+  // The importer would cut it at a NUL.
+  return text.empty() || text.size() > name_limit ? fallback : printable(text);
+}
+
+void GltfSource::gather_buffers(NamedFiles& files) {
+  for (std::size_t i = 0; i < list("buffers").size(); ++i) {
+    const Json& buffer = item("buffers", i);
+    const std::string where = fmt::format("buffers[{}]", i);
+    const std::size_t length = whole(buffer, "byteLength", where);
+    std::string bytes;
+    if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
+      auto found = from_uri(*uri, where + ".uri", "a buffer", files);
+      if (!found) continue;
+      bytes = std::move(*found);
+    } else {
+      if (i > 0 || !chunk_) fail("{} has neither a uri nor a BIN chunk", where);
+      bytes = *chunk_;
+    }
+    if (length > bytes.size())
+      fail("truncated: {} says {} bytes, but there are {}", where, length, bytes.size());
+    if (binary_.size() + length > model_limits::bytes)
+      fail("its buffers are larger than {} MiB", model_limits::bytes >> 20);
+    buffers_.emplace_back(binary_.size(), length);
+    binary_.append(bytes, 0, length);
+    binary_.resize((binary_.size() + 3) / 4 * 4);
+  }
+}
+
+std::optional<std::string> GltfSource::from_uri(const Json& value, const std::string& where,
+                                                const char* expected, NamedFiles& files) const {
+  if (!value.is_string()) fail("{} must be a string", where);
+  const auto& uri = value.get_ref<const std::string&>();
+  if (uri.compare(0, 5, "data:") == 0) {
+    static const std::string mark = ";base64,";
+    const std::size_t start = uri.find(mark);
+    if (start == std::string::npos) fail("{}: only base64 data is read", where);
+    return from_base64(uri.substr(start + mark.size()), where);
+  }
+  const std::string place = fmt::format("{} {}", where, in_quotes(uri));
+  const std::optional<std::string> name = name_of_uri(uri);
+  if (!name) fail("{}: expected the name of a file, relative to the model's folder", place);
+  if (files.is_missing(*name)) fail("{}: there is no such file", place);
+  const std::string* bytes = files.find({place, *name, expected});
+  return bytes ? std::optional(*bytes) : std::nullopt;
+}
+
+std::string GltfSource::from_base64(const std::string& text, const std::string& where) const {
+  static const std::string alphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    const std::size_t value = alphabet.find(c);
+    if (value == std::string::npos) fail("{} is not base64", where);
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    held += 6;
+    if (held >= 8) bytes += static_cast<char>(bits >> (held -= 8) & 0xff);
+  }
+  return bytes;
+}
+
+GltfAccessor GltfSource::accessor(const Json& value, const std::string& used_by) const {
+  const std::size_t i = index(value, list("accessors").size(), used_by);
+  const std::string where = fmt::format("accessors[{}]", i);
+  const Json& in = item("accessors", i);
+  if (in.contains("sparse")) fail("{} is sparse, which is not supported", where);
+  if (!in.contains("bufferView")) fail("{} lacks bufferView", where);
+
+  GltfAccessor a;
+  a.component = whole(in, "componentType", where);
+  if (a.component < 5120 || a.component > f32 || a.component == 5124)
+    fail("{}.componentType {} is unknown", where, a.component);
+  if (const auto type = in.find("type"); type != in.end() && type->is_string())
+    a.type = type->get<std::string>();
+  a.elements = elements_of(a.type);
+  if (a.elements == 0) fail("{}.type is unknown", where);
+  a.count = whole(in, "count", where);
+  if (a.count == 0) fail("{} is empty", where);
+  const auto normalized = in.find("normalized");
+  a.normalized = normalized != in.end() && *normalized == true;
+
+  const auto [start, length] = view(in["bufferView"], where + ".bufferView");
+  const std::size_t v = in["bufferView"].get<std::size_t>();
+  const std::string view_where = fmt::format("bufferViews[{}]", v);
+  a.stride = whole(item("bufferViews", v), "byteStride", view_where, a.item_size());
+  if (a.stride < a.item_size() || a.stride > 252) fail("{}.byteStride is wrong", view_where);
+  const std::size_t offset = whole(in, "byteOffset", where, 0);
+  if (offset + (a.count - 1) * a.stride + a.item_size() > length)
+    fail("{} reaches beyond its bufferView", where);
+  a.offset = start + offset;
+  if (a.offset % size_of(a.component) != 0) fail("{} is not aligned", where);
+  return a;
+}
+
+std::optional<std::string> GltfSource::image(std::size_t index, NamedFiles& files) const {
+  const Json& in = item("images", index);
+  const std::string where = fmt::format("images[{}]", index);
+  if (const auto uri = in.find("uri"); uri != in.end()) {
+    return from_uri(*uri, where + ".uri", "an image", files);
+  }
+  if (!in.contains("bufferView")) fail("{} has neither a uri nor a bufferView", where);
+  const auto [start, length] = view(in["bufferView"], where + ".bufferView");
+  return binary_.substr(start, length);
+}
+
+std::pair<std::size_t, std::size_t> GltfSource::view(const Json& value,
+                                                     const std::string& used_by) const {
+  const std::size_t v = index(value, list("bufferViews").size(), used_by);
+  const std::string where = fmt::format("bufferViews[{}]", v);
+  const Json& in = item("bufferViews", v);
+  if (!in.contains("buffer")) fail("{} lacks buffer", where);
+  const auto [start, size] = buffers_[index(in["buffer"], buffers_.size(), where + ".buffer")];
+  const std::size_t offset = whole(in, "byteOffset", where, 0);
+  const std::size_t length = whole(in, "byteLength", where);
+  if (offset + length > size) fail("{} reaches beyond its buffer", where);
+  return {start + offset, length};
+}
+
+std::uint32_t GltfSource::integer(const GltfAccessor& a, std::size_t item,
+                                  std::size_t element) const {
+  const std::size_t size = size_of(a.component);
+  return little_endian(binary_, a.offset + item * a.stride + element * size, size);
+}
+
+float GltfSource::component(const GltfAccessor& a, std::size_t item, std::size_t element) const {
+  const std::uint32_t bits = integer(a, item, element);
+  const auto share = [&](auto value) {
+    if (!a.normalized) return static_cast<float>(value);
+    constexpr auto most = static_cast<float>(std::numeric_limits<decltype(value)>::max());
+    return std::max(static_cast<float>(value) / most, -1.0f);
+  };
+  switch (a.component) {
+    case i8:
+      return share(static_cast<std::int8_t>(bits));
+    case u8:
+      return share(static_cast<std::uint8_t>(bits));
+    case i16:
+      return share(static_cast<std::int16_t>(bits));
+    case u16:
+      return share(static_cast<std::uint16_t>(bits));
+    case u32:
+      return share(bits);
+    default:
+      return std::bit_cast<float>(bits);
+  }
+}
+
+// The textures of a glTF file.
+
+/// The textures that materials name, decoded. All members throw BadAsset.
+class GltfTextures {
+ public:
+  GltfTextures(const GltfSource& source, NamedFiles& files) : in_(source), files_(files) {}
+
+  /// The index of the texture that `info` (glTF 2.0, section 5.28) names; -1 where it is left out,
+  /// or its file has yet to come.
+  int index_of(const Json& info, const std::string& where);
+
+  std::vector<Texture> take() { return std::move(textures_); }
+  /// What was left out, and where it is.
+  const std::vector<std::pair<std::string, std::string>>& left_out() const { return left_out_; }
+
+ private:
+  static constexpr std::size_t kNoSampler = ~std::size_t{0};
+
+  std::string name_of(std::size_t image) const;
+  void set_sampler(std::size_t index, Texture& texture) const;
+
+  const GltfSource& in_;
+  NamedFiles& files_;
+  std::vector<Texture> textures_;
+  std::map<std::pair<std::size_t, std::size_t>, int> known_;  // by image and sampler
+  std::vector<std::pair<std::string, std::string>> left_out_;
+  std::size_t pixels_ = 0;
+};
+
+int GltfTextures::index_of(const Json& info, const std::string& where) {
+  if (!info.is_object()) in_.fail("{} must be an object", where);
+  const std::size_t t =
+      in_.index(info.value("index", Json()), in_.list("textures").size(), where + ".index");
+  const std::string place = fmt::format("textures[{}]", t);
+  const Json& texture = in_.item("textures", t);
+  if (!texture.contains("source")) {
+    left_out_.emplace_back("textures other than PNG and JPEG", place);
+    return -1;
+  }
+  const std::size_t image =
+      in_.index(texture["source"], in_.list("images").size(), place + ".source");
+  std::size_t sampler = kNoSampler;
+  if (texture.contains("sampler")) {
+    sampler = in_.index(texture["sampler"], in_.list("samplers").size(), place + ".sampler");
+  }
+  const auto known = known_.find({image, sampler});
+  if (known != known_.end()) return known->second;
+  const std::optional<std::string> bytes = in_.image(image, files_);
+  if (!bytes) return -1;
+  const std::string name = name_of(image);
+  if (kind_of_image(*bytes) == ImageKind::other) {
+    left_out_.emplace_back("textures other than PNG and JPEG", name);
+    return known_[{image, sampler}] = -1;
+  }
+  Texture made;
+  try {
+    made = decode_image(*bytes, model_limits::pixels - pixels_);
+  } catch (const std::runtime_error& error) {
+    in_.fail("{}: {}", name, error.what());
+  }
+  pixels_ += std::size_t{made.width} * made.height;
+  if (sampler != kNoSampler) set_sampler(sampler, made);
+  textures_.push_back(std::move(made));
+  return known_[{image, sampler}] = static_cast<int>(textures_.size()) - 1;
+}
+
+/// What messages call an image: its place, and its file's name.
+std::string GltfTextures::name_of(std::size_t image) const {
+  const std::string place = fmt::format("images[{}]", image);
+  const Json& in = in_.item("images", image);
+  const auto uri = in.find("uri");
+  if (uri == in.end() || !uri->is_string()) return place;
+  const auto& text = uri->get_ref<const std::string&>();
+  return text.starts_with("data:") ? place : fmt::format("{} {}", place, in_quotes(text));
+}
+
+void GltfTextures::set_sampler(std::size_t index, Texture& texture) const {
+  const std::string where = fmt::format("samplers[{}]", index);
+  const Json& in = in_.item("samplers", index);
+  const auto take = [&](const char* key, std::uint32_t& value,
+                        std::initializer_list<std::uint32_t> known) {
+    value = static_cast<std::uint32_t>(in_.whole(in, key, where, value));
+    if (std::ranges::find(known, value) == known.end()) {
+      in_.fail("{}.{} is {}, which is unknown", where, key, value);
+    }
+  };
+  take("wrapS", texture.wrap_u, {10497, 33071, 33648});
+  take("wrapT", texture.wrap_v, {10497, 33071, 33648});
+  take("magFilter", texture.magnify, {9728, 9729});
+  take("minFilter", texture.minify, {9728, 9729, 9984, 9985, 9986, 9987});
+}
 
 constexpr std::size_t triangles = 4, triangle_fan = 6;
 constexpr std::size_t kNone = ~std::size_t{0};  // no index

@@ -1,11 +1,11 @@
-#include "scenes/model/image.h"
-
 #include <fmt/format.h>
 
 #include <csetjmp>
 #include <cstdio>
 #include <new>
 #include <stdexcept>
+
+#include "scenes/model/formats.h"
 
 // clang-format off
 #include <jpeglib.h>  // behind <cstdio>, of which it needs FILE

@@ -1,4 +1,4 @@
-// The reader of a model's bytes, in the process that calls it.
+// Reads a model from bytes, in the calling process.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace taut::scenes {
 
-/// The model that `content` of a .glb, .gltf, .obj or .bvh file describes; the ending of `file`
-/// says which. Opens no file: those that it names come from `files`; nothing where that wants some.
+/// The model in `content`, in the format that the ending of `file` names: .glb, .gltf, .obj or
+/// .bvh. Opens no file: files that the model names come from `files`; none while `files` lacks one.
 /// Throws BadAsset.
 std::optional<Model> import_model(const std::filesystem::path& file, const std::string& content,
                                   NamedFiles& files);

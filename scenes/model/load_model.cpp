@@ -7,10 +7,9 @@
 #include <system_error>
 #include <variant>
 
-#include "scenes/files/asset_path.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/model/import.h"
-#include "scenes/model/limits.h"
+#include "scenes/model/model.h"
 #include "scenes/model/model_bytes.h"
 #include "scenes/model/sandbox.h"
 #include "sim/motion/printable.h"

@@ -7,10 +7,10 @@
 
 namespace taut::scenes {
 
-/// Reads a glTF/GLB, OBJ or BVH file, and the files that it names. All of them lie in the folder
-/// `within` (canonical; empty: the model's own): links are followed inside of it alone. Throws
-/// BadAsset (a message that names the file and the cause) for anything that is missing, outside,
-/// truncated, too large, inconsistent or not finite.
+/// Reads a glTF/GLB, OBJ or BVH file, and the files that it names. All of them must lie in the
+/// folder `within` (canonical; empty: the model's own), links included. Throws BadAsset, which
+/// names the file and the cause, for anything missing, outside, truncated, too large, inconsistent
+/// or not finite.
 Model load_model(const std::filesystem::path& file, const std::filesystem::path& within = {});
 
 /// The same in this process, for tests that look into the reader.

@@ -1,7 +1,9 @@
-// A model: meshes, materials and a skeleton as plain data, whatever file they came from.
+// A model: meshes, materials, a skeleton and animations as plain data, whatever file they came
+// from; and the limits of models.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -98,3 +100,26 @@ void leave_out_animations(Model& model, const std::string& file);
 void make_rigid(Model& model, const std::string& file);
 
 }  // namespace taut::scenes
+
+namespace taut::scenes::model_limits {
+
+// The limits of a model. A file beyond them is refused before it is parsed.
+
+constexpr std::size_t bytes = 64u << 20;      // of a file, and of all buffers together
+constexpr std::size_t files = 1024;           // that it names
+constexpr std::size_t all_bytes = 2 * bytes;  // of the named files together
+constexpr std::size_t meshes =
+    4096;  // pieces of one material: glTF primitives, OBJ groups, instances
+constexpr std::size_t nodes = 65536;
+constexpr std::size_t depth = 128;  // of the tree of nodes
+constexpr std::size_t bones = 256;
+constexpr std::size_t vertices = 4u << 20;  // over all pieces, shared data counted for each
+constexpr std::size_t indices = 24u << 20;
+constexpr std::size_t keys = 16u << 20;  // numbers of all animations
+// Of the process that reads a model. The largest allowed model takes about half of it.
+constexpr std::size_t memory = 2048u << 20;
+// Of the reply of that process: 8 million vertices with their indices, and the pictures.
+constexpr std::size_t reply = 1024u << 20;
+constexpr std::size_t pixels = 64u << 20;  // of all pictures
+
+}  // namespace taut::scenes::model_limits

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "scenes/model/limits.h"
+#include "scenes/model/model.h"
 
 namespace taut::scenes {
 namespace {

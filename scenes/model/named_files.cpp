@@ -4,9 +4,8 @@
 
 #include <algorithm>
 
-#include "scenes/files/asset_path.h"
-#include "scenes/files/regular_file.h"
-#include "scenes/model/limits.h"
+#include "scenes/files/files.h"
+#include "scenes/model/model.h"
 
 namespace taut::scenes {
 

@@ -17,22 +17,23 @@ struct NamedFile {
   std::string expected;  // what it should be, as in "a buffer"
 };
 
-/// The bytes of the files that a model names. The reader of models opens none of them: it asks for
-/// them here, and is started again with those that it did not find.
+/// The bytes of the files that a model names. The reader of models opens no file: it looks them up
+/// here. Files that it did not find are read afterwards, and the reader starts again.
 class NamedFiles {
  public:
-  /// The file's bytes; nothing where there is no such file, or none yet: then it is wanted().
+  /// The file's bytes; null if there is no such file, or if it was not read yet: then it is
+  /// wanted().
   const std::string* find(const NamedFile& file);
 
-  /// Whether it was looked for, and is not there.
+  /// Whether read() found no file of that name.
   bool is_missing(const std::string& name) const;
 
-  /// The files that were asked for and not looked for yet.
+  /// The files that find() was asked for and read() did not read yet.
   const std::vector<NamedFile>& wanted() const { return wanted_; }
 
-  /// Reads such files from beside `model`, which lies in the folder `project` (canonical): regular
-  /// files in it, reached by links inside of it. Throws BadAsset: one that leads out of it, is no
-  /// regular file or too large, or too many of them.
+  /// Reads these files, relative to the folder of `model`. They and all links to them must lie in
+  /// the folder `project` (canonical). Throws BadAsset for a file outside of it, one that is no
+  /// regular file or too large, and for too many files.
   void read(const std::filesystem::path& model, const std::filesystem::path& project,
             const std::vector<NamedFile>& files);
 
@@ -44,11 +45,11 @@ class NamedFiles {
   std::size_t size_ = 0;
 };
 
-/// A name as messages quote it: cut where it is long.
+/// A name in quotes for messages; long ones are cut.
 std::string in_quotes(std::string_view name);
 
-/// The name that a relative uri stands for: %20 is a space, and so on, decoded once. Nothing where
-/// it is of another kind: with a scheme, from a root, or with a NUL in it.
+/// The file name of a relative URI, percent-decoded once. None for a URI with a scheme, an absolute
+/// path or a NUL.
 std::optional<std::string> name_of_uri(const std::string& uri);
 
 }  // namespace taut::scenes

@@ -1,4 +1,4 @@
-#include "scenes/reader/choreography.h"
+#include "sim/choreography/choreography.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/choreography/choreography.h"
-#include "sim/choreography/flat_chain.h"
+#include "scenes/reader/reader.h"
 #include "sim/choreography/flat_fit.h"
 
 namespace taut::scenes {

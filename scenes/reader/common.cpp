@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "scenes/files/asset_path.h"
+#include "scenes/files/files.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "scenes/reader/common.h"
-#include "scenes/reader/paths.h"
+#include "scenes/reader/motions.h"
 #include "sim/world/hanging.h"
 #include "sim/world/winched.h"
 

@@ -1,14 +1,18 @@
-// The prescribed motions of a scene.
+// The prescribed motions of a scene: paths, driven bodies, characters; and numbers over time.
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "scenes/format/document.h"
 #include "scenes/reader/common.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::scenes {
 
@@ -54,5 +58,19 @@ class Motions {
 /// or the point in space that the key `space` gives.
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
                            Motions& motions);
+
+// Paths of a scene, and numbers over time.
+
+/// The paths of a scene, in the order of the file.
+std::vector<std::shared_ptr<const Path>> read_paths(const Document& document);
+
+/// A path from rows t,x,y,z[,qw,qx,qy,qz] of a CSV file. Throws BadAsset with file:line.
+Path read_path_csv(const std::filesystem::path& file);
+/// The same from the file's text.
+Path path_from_csv(const std::string& text, const std::filesystem::path& file);
+
+/// A number over time, from the values of keys: the x of a path (Hold::turn, Winch::paths).
+std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
+                                             std::string_view value);
 
 }  // namespace taut::scenes

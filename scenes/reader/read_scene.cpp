@@ -5,10 +5,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/format/format.h"
 #include "scenes/format/scene_format.h"
-#include "scenes/reader/choreography.h"
 #include "scenes/reader/reader.h"
 
 namespace taut::scenes {

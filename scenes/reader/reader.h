@@ -11,7 +11,6 @@
 #include "scenes/reader/common.h"
 #include "scenes/reader/joints.h"
 #include "scenes/reader/motions.h"
-#include "scenes/reader/paths.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {
@@ -100,5 +99,11 @@ struct Winding {
 /// straight on. Turns lie side by side, in the middle of the obstacle.
 std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& gravity,
                              const Winding& winding);
+
+// The choreography of a scene.
+
+/// What a scene's choreography asks for, of its world and timeline. Throws BadScene.
+Choreographed read_choreography(const Document& document, const Value& table,
+                                const Motions& motions, const Scene& scene);
 
 }  // namespace taut::scenes

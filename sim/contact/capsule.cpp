@@ -20,7 +20,6 @@ constexpr double kSameSpot = 1e-6;  // of the axis: spots so near to each other 
 constexpr double kParallel =
     1e-10;                        // of the axis' length: distances so near to each other are equal
 constexpr double kEvenly = 1e-9;  // rad: slopes so near to each other are one
-constexpr double kFarther = 1.5;  // times the way that it rolls and slides: it tips
 constexpr int kBisections = 54;   // of a double's fraction
 constexpr int kToCell = 40;       // of these, down to a cell that may be guessed
 constexpr double kCell = 0x1p-40;
@@ -192,24 +191,6 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
   }
   if (before && behind) gaps[2].distinct = false;
   return gaps;
-}
-
-bool tips(const Shape& shape, const Pose& start, const Capsule& from, double from_along,
-          const Pose& end, const Capsule& to, double to_along) {
-  if (!lies_flat(shape)) return false;
-  const Axis before(shape, start, from), after(shape, end, to);
-  const double turn = (after.way / after.length - before.way / before.length).norm();
-  const double rolls = (1 + kCrosses) * curve(shape, from.radius) * turn;
-  const Vec3 first = after.from - before.from, last = first + after.way - before.way;
-  const double slides = std::sqrt(1 + kCrosses) * std::max(first.norm(), last.norm());
-  const double moves = to_along - from_along;
-  if (std::abs(moves) * before.length <= kFarther * (rolls + slides)) return false;
-  // Distances rise evenly over what is flat, ever faster over what is round.
-  return std::ranges::any_of(std::array{&before, &after}, [&](const Axis* axis) {
-    const double near = axis->slope(from_along + moves / 4);
-    const double far = axis->slope(from_along + 3 * moves / 4);
-    return std::abs(far - near) < std::max(std::abs(near), std::abs(far)) / 4;
-  });
 }
 
 double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule) {

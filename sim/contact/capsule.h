@@ -45,12 +45,6 @@ SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, Sp
 /// sides are as near, are not `distinct`.
 std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Capsule& capsule);
 
-/// Whether a spot that touches as a capsule goes from one place to another, and the solid from one
-/// frame to another, moves farther along the axis than it rolls or slides: to the other end of what
-/// lies flat.
-bool tips(const Shape& shape, const Pose& start, const Capsule& from, double from_along,
-          const Pose& end, const Capsule& to, double to_along);
-
 /// The least of the distances of a capsule (m).
 double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule);
 /// The distance of two capsules (m).

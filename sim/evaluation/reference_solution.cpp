@@ -12,7 +12,7 @@
 #include "sim/measure/measure.h"
 #include "sim/motion/side_by_side.h"
 #include "sim/motion/stop.h"
-#include "sim/topology/span.h"
+#include "sim/topology/components.h"
 #include "sim/truth/truth.h"
 
 namespace taut::study {

@@ -8,7 +8,7 @@
 #include "sim/contact/capsule.h"
 #include "sim/measure/measure.h"
 #include "sim/motion/stop.h"
-#include "sim/topology/span.h"
+#include "sim/topology/components.h"
 
 namespace taut::study {
 

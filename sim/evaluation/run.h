@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/interventions/interventions.h"
-#include "sim/run/cpu_time.h"
+#include "sim/motion/stop.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
 #include "sim/topology/components.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/links/projection.h"
+#include "sim/links/tension.h"
 #include "sim/motion/printable.h"
 #include "sim/motion/rotation.h"
 #include "sim/topology/components.h"

@@ -1,4 +1,5 @@
-// Tensions: the linear systems of all rows at once, and the pull at winches.
+// Tensions of links: the linear systems of all rows at once, the pull at winches, the projection of
+// a state onto its links, and Coulomb friction at pulleys.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -172,6 +173,101 @@ class TensionSystem {
   ThresholdElimination pulley_solver_;  // of the border where there are pulleys, as scaled
   Eigen::VectorXd scale_, scaled_right_, residual_;
   LeastSquares dense_solver_;
+};
+
+// The pull of a rope at the winch that pays it out.
+
+/// The tension (N) at the drum of the winch at a connector's first (0) or last (1) end, with the
+/// world's motion as it is: the load of the drum's brake or motor, the inertia of the drum and of
+/// rope still wound on it aside. Solves for all tensions of the world. Positive where the rope
+/// pulls. sim/winch/README.md has the equation. Throws std::invalid_argument without such a winch.
+double winch_tension(const World& world, std::size_t connector, std::size_t end);
+
+// Putting a state onto its links: positions so that all have their lengths, velocities so that none
+// changes it.
+
+/// Projects states of one mechanism along M^-1 J^T, which moves as little as it takes, all masses
+/// counted. Both change linear momentum only by what holds give, which act at their points.
+class Projection {
+ public:
+  /// Lengths that stay off by more (m) cannot be kept.
+  static constexpr double kKept = 1e-8;
+
+  /// The remaining violation of the rows; not finite where the state was not.
+  struct Left {
+    double violation = 0;  // m, the largest
+    std::size_t row = 0;   // where that is
+  };
+
+  Projection() = default;
+  explicit Projection(const Mechanism& mechanism) { rebuild(mechanism); }
+
+  /// Makes room for the mechanism, and as much as that has.
+  void rebuild(const Mechanism& mechanism);
+
+  /// Newton's method on the lengths, to rounding where they can be kept.
+  Left lengths(Mechanism& mechanism, double time, std::vector<double>& state);
+
+  /// The impulses that stop all links from changing their length.
+  void rates(Mechanism& mechanism, double time, std::vector<double>& state);
+
+ private:
+  const std::vector<double>& right_side(const std::vector<double>& rows);
+
+  TensionSystem system_;
+  std::vector<double> multiplier_;  // per row: kg m or N s
+  std::vector<double> right_;       // where there are pulleys
+};
+
+/// Gives all links of `world` their lengths, whatever moves for it: particles and free bodies.
+/// False, and nothing has changed, where holds do not let them.
+bool restore_lengths(World& world);
+
+/// Whether velocities change the length of some link by more than rounding; held particles are
+/// where they are placed.
+bool stretches(const World& world);
+
+/// Changes the velocities of a world by the impulses that stop all links from changing their
+/// length, as when a moving particle is pinned. Keeps its workspace.
+class VelocityProjection {
+ public:
+  void stop(World& world);
+
+ private:
+  Mechanism mechanism_;
+  Projection projection_;
+  std::vector<double> state_;
+};
+
+// Coulomb's friction at pulleys: at which of them rope slides, and when that changes.
+
+/// An integrator decides at a state what each pulley does, keeps that through a step, and measures
+/// how far the next change is at its end. A step that goes beyond one is to be tried again,
+/// shorter, until it ends within kNear of it. Rope that stays has a speed of exactly zero.
+class PulleyFriction {
+ public:
+  /// Makes as much room as `mechanism` has.
+  void rebuild(const Mechanism& mechanism);
+  /// Whether any pulley has friction.
+  bool any() const { return any_; }
+
+  /// Lets rope stay, slide or push where it does from this state on; sets speeds within kNear of
+  /// zero to zero.
+  void decide(Mechanism& mechanism, TensionSystem& system, double time, std::vector<double>& state);
+  /// The distance to the nearest change: m/s of a rope that slides, or of tensions as shares of
+  /// their sum. Below zero: beyond it.
+  double distance(Mechanism& mechanism, TensionSystem& system, double time,
+                  std::vector<double>& state);
+  /// The share of a step after which to look for the change that lies between these distances.
+  static double share(double before, double behind);
+
+  static constexpr double kNear = 1e-10;
+
+ private:
+  void solve(Mechanism& mechanism, TensionSystem& system, double time, std::vector<double>& state);
+
+  bool any_ = false;
+  std::vector<double> right_, tension_;
 };
 
 }  // namespace taut

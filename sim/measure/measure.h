@@ -1,5 +1,9 @@
-// Energy, momentum and stretch of a world.
+// Measures of a world: energy, momentum and stretch; and how curves wind about each other and about
+// themselves.
 #pragma once
+
+#include <span>
+#include <vector>
 
 #include "sim/motion/types.h"
 #include "sim/world/world.h"
@@ -34,5 +38,28 @@ double energy_scale(const World& world);
 /// True where no path moves a body or a hold, no link is damped and no air resists, so that what
 /// moves freely keeps its energy: energy_scale() then tells how much a change of it is.
 bool is_closed(const World& world);
+
+// How curves wind about each other and about themselves.
+
+/// A polygon: its corners (m); closed from the last to the first, or open.
+struct Curve {
+  std::vector<Vec3> corners;
+  bool closed = false;
+};
+
+/// The curve of a connector's particles: closed where a joint ties its ends together.
+Curve curve_of(const World& world, std::size_t connector);
+
+/// Gauss's linking number of two curves that do not cross: how often one winds about the other. An
+/// open curve is closed far away: straight outwards from both ends, and round there. Then it is a
+/// whole number, which only a crossing changes.
+/// Each pair of segments counts with the solid angle of directions from which they are seen to
+/// cross (Klenin and Langowski, Computation of writhe in modeling of supercoiled DNA, Biopolymers
+/// 54, 2000).
+int linking_number(const Curve& one, const Curve& other);
+
+/// The writhe of a curve: how many more crossings are right-handed than left-handed, as the mean of
+/// all views. Of an open curve the part of its own segments.
+double writhe(const Curve& curve);
 
 }  // namespace taut

@@ -1,11 +1,11 @@
-#include "sim/methods/dynamic_constraints.h"
-
+// Dynamic constraints (Barzel and Barr 1988): forces that keep every link at its length.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "sim/links/tension.h"
 #include "sim/measure/frequency.h"
+#include "sim/methods/methods.h"
 #include "sim/methods/stepped.h"
 #include "sim/motion/stop.h"
 #include "sim/run/error_estimate.h"

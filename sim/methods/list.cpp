@@ -2,10 +2,7 @@
 #include <algorithm>
 
 #include "sim/methods/direct/direct.h"
-#include "sim/methods/dynamic_constraints.h"
-#include "sim/methods/impulse.h"
-#include "sim/methods/springs.h"
-#include "sim/methods/xpbd.h"
+#include "sim/methods/methods.h"
 #include "sim/run/method.h"
 
 namespace taut::methods {

@@ -1,14 +1,15 @@
+// The particle system: a stiff spring with a damper for each link.
+//
 // Each link pulls with T = k (|d| - l) + c d|d|/dt, d the vector between its points. Every link has
 // the same c/k, so that each way to stretch, of frequency w, is damped by the share c w / 2k of
 // critical: most the fastest, whose share is the setting.
-#include "sim/methods/springs.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "sim/contact/body_contacts.h"
 #include "sim/contact/connector_contacts.h"
 #include "sim/measure/frequency.h"
+#include "sim/methods/methods.h"
 #include "sim/methods/stepped.h"
 #include "sim/run/error_estimate.h"
 

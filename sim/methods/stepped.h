@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/links/mechanism.h"
-#include "sim/links/projection.h"
+#include "sim/links/tension.h"
 #include "sim/run/method.h"
 
 namespace taut::methods {

@@ -1,18 +1,24 @@
-#include "sim/methods/xpbd.h"
-
+// Extended position-based dynamics with small steps (Macklin et al. 2016 and 2019).
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "sim/contact/body_contacts.h"
 #include "sim/contact/connector_contacts.h"
+#include "sim/links/mechanism.h"
 #include "sim/material/elements.h"
 #include "sim/measure/frequency.h"
+#include "sim/methods/methods.h"
 #include "sim/methods/stepped.h"
 #include "sim/motion/stop.h"
 #include "sim/run/error_estimate.h"
+#include "sim/run/method.h"
 
 namespace taut::methods {
 namespace {
+
+// Free bodies, moved by constraints one after another.
 
 /// The moment of `by` at a carried point, in body axes.
 Vec3 moment(const Mechanism& mechanism, const Mechanism::BodyPoint& point, const Vec3& by,
@@ -21,19 +27,22 @@ Vec3 moment(const Mechanism& mechanism, const Mechanism::BodyPoint& point, const
   return point.local.cross(rotation.conjugate() * by);
 }
 
-}  // namespace
-
+/// The inverse mass (1/kg) of a body along a constraint: `by_place` is the constraint's gradient by
+/// the body's place (world axes), `by_turn` by its turn (m, body axes).
 double mobility(const Mechanism& mechanism, std::size_t body, const Vec3& by_place,
                 const Vec3& by_turn) {
   const auto& moved = mechanism.bodies()[body];
   return moved.inverse_mass * by_place.squaredNorm() + by_turn.dot(moved.inverse_inertia * by_turn);
 }
 
+/// The same at a carried point; `along` is the constraint's gradient there.
 double mobility(const Mechanism& mechanism, const Mechanism::BodyPoint& point, const Vec3& along,
                 const double* state) {
   return mobility(mechanism, point.body, along, moment(mechanism, point, along, state));
 }
 
+/// Moves a body's centre of mass by `by` (kg m) and turns it by `turn` (kg m^2, body axes), and
+/// takes the points that it carries along.
 void pull(const Mechanism& mechanism, std::size_t body, const Vec3& by, const Vec3& turn,
           double* state) {
   const auto& moved = mechanism.bodies()[body];
@@ -50,17 +59,77 @@ void pull(const Mechanism& mechanism, std::size_t body, const Vec3& by, const Ve
   }
 }
 
+/// The same by `by` (kg m) at a carried point.
 void pull(const Mechanism& mechanism, const Mechanism::BodyPoint& point, const Vec3& by,
           double* state) {
   pull(mechanism, point.body, by, moment(mechanism, point, by, state), state);
 }
 
-namespace {
+// Stretch, bending and air as games do them: compliant constraints, projected one after another.
+
+/// Macklin, Mueller and Chentanez, XPBD, 2016: a constraint C of energy k C^2 / 2 has a multiplier
+/// (kg m) of its own. Damping c acts on velocities when positions have made these, as Mueller and
+/// others do, Detailed rigid body simulation, 2020: in the same pass as stiffness it would take a
+/// share c / (c + k dt) of what the pass moves back, and heavy loads would stretch ropes.
+class XpbdMaterial {
+ public:
+  void rebuild(const Mechanism& mechanism);
+  bool any() const { return any_; }
+
+  /// The air's push in a step of `dt` (s), before particles fly.
+  void blow(const Mechanism& mechanism, double dt, std::vector<double>& state);
+  /// Forgets the multipliers, as a step begins.
+  void begin();
+  /// Goes through all elements once.
+  void pass(const Mechanism& mechanism, double dt, double* state);
+  /// Goes through their dampers once, after begin_damping(). Places carried points' velocities
+  /// nowhere: Mechanism::place() does.
+  void begin_damping() { std::ranges::fill(damper_, 0.0); }
+  void damp(const Mechanism& mechanism, double dt, double* state);
+  bool damps() const { return damps_; }
+
+ private:
+  struct Change {  // of C with a point
+    std::uint32_t point = 0;
+    Vec3 gradient = Vec3::Zero();
+  };
+  struct BodyChange {  // of C with a body's place, and its turn in body axes
+    std::uint32_t body = 0;
+    Vec3 by_place = Vec3::Zero(), by_turn = Vec3::Zero();
+  };
+  /// C and its gradient by free points and by bodies, at the places of a state.
+  struct Constraint {
+    double value = 0, mobility = 0;  // 1/kg
+    double given = 0;                // 1/s of C: its rate that is no matter of damping
+    bool pulls = false;              // C pushes nothing
+    std::size_t points = 0, bodies = 0;
+    std::array<Change, 3> point;
+    std::array<BodyChange, 3> body;
+  };
+  void add(const Mechanism& mechanism, std::uint32_t point, const Vec3& gradient,
+           const double* state, Constraint& to) const;
+  static BodyChange& change_of(std::uint32_t body, Constraint& in);
+  bool measure(const Mechanism& mechanism, const material::StretchElement& link,
+               const double* state, Constraint& made) const;
+  bool measure(const Mechanism& mechanism, const material::BendElement& bend, const double* state,
+               Constraint& made) const;
+
+  /// The body's point at a point that a free body carries; null: none does.
+  const Mechanism::BodyPoint* carried(const Mechanism& mechanism, std::uint32_t point) const {
+    const std::uint32_t at = carried_.empty() ? kNone : carried_[point];
+    return at == kNone ? nullptr : &mechanism.body_points()[at];
+  }
+
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  bool any_ = false, damps_ = false;
+  std::vector<std::uint32_t> carried_;  // of each point, in body_points(); empty: no body
+  // Of stretches, then of bends, then of twists: kg m, and N s.
+  std::vector<double> multiplier_, damper_;
+  std::vector<Vec3> force_;
+};
 
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
-
-}  // namespace
 
 void XpbdMaterial::rebuild(const Mechanism& mechanism) {
   const material::MaterialForces& material = mechanism.material();
@@ -269,8 +338,6 @@ void XpbdMaterial::damp(const Mechanism& mechanism, double dt, double* state) {
     }
   }
 }
-
-namespace {
 
 constexpr std::string_view kXpbd = "xpbd";
 constexpr int kRounds = 100;  // of links and touches in an impact; most take ten

@@ -16,10 +16,6 @@ std::int64_t nanoseconds(clockid_t clock) {
   return std::int64_t(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-double thread_time() {
-  return 1e-9 * static_cast<double>(nanoseconds(CLOCK_THREAD_CPUTIME_ID));
-}
-
 }  // namespace
 
 void set_stop_check(StopCheck check) {
@@ -32,7 +28,7 @@ void check_stop() {
 }
 
 WorkLimit::WorkLimit(const Most& most)
-    : most_(most), outer_(innermost), end_(thread_time() + most.cpu_time) {
+    : most_(most), outer_(innermost), end_(thread_seconds() + most.cpu_time) {
   innermost = this;
 }
 
@@ -46,10 +42,14 @@ void WorkLimit::check() {
     // A look at the thread's clock costs far more than one at the coarse clock, which stands still
     // for some milliseconds.
     const std::int64_t now = nanoseconds(CLOCK_MONOTONIC_COARSE);
-    if (now != looked_ && thread_time() > end_) reached_ = true;
+    if (now != looked_ && thread_seconds() > end_) reached_ = true;
     looked_ = now;
   }
   if (reached_) throw OverLimit();
+}
+
+double thread_seconds() {
+  return 1e-9 * static_cast<double>(nanoseconds(CLOCK_THREAD_CPUTIME_ID));
 }
 
 }  // namespace taut

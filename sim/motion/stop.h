@@ -1,4 +1,4 @@
-// Ending long work from outside.
+// Ending long work from outside, and the CPU time that it takes.
 #pragma once
 
 #include <cstdint>
@@ -54,5 +54,8 @@ class WorkLimit {
   std::uint64_t checks_ = 0;
   bool reached_ = false;
 };
+
+/// CPU time (s) of the calling thread.
+double thread_seconds();
 
 }  // namespace taut

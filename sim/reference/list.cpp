@@ -1,7 +1,5 @@
 // The methods that stand on other libraries join the list when the program starts.
-#include "sim/reference/multibody.h"
-#include "sim/reference/multipliers.h"
-#include "sim/reference/sdfast.h"
+#include "sim/reference/methods.h"
 #include "sim/run/method.h"
 
 /// Programs that link this library ask for this name, which takes this file out of the archive.

@@ -1,8 +1,8 @@
-#include "sim/reference/multibody.h"
-
+// A general multibody package with joint coordinates: Simbody, the open successor of SD/FAST.
 #include <optional>
 
-#include "sim/links/projection.h"
+#include "sim/links/tension.h"
+#include "sim/reference/methods.h"
 #include "sim/reference/simbody_model.h"
 #include "sim/run/error_estimate.h"
 #include "sim/run/trajectory.h"

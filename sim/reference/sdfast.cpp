@@ -1,16 +1,14 @@
-#include "sim/reference/sdfast.h"
-
+// SD/FAST, the multibody package that the paper compares with.
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
-#include "sim/links/projection.h"
+#include "sim/links/tension.h"
 #include "sim/motion/stop.h"
-#include "sim/reference/sdfast/ball.h"
+#include "sim/reference/methods.h"
 #include "sim/reference/sdfast/chain.h"
 #include "sim/reference/sdfast/model.h"
-#include "sim/reference/sdfast/pin.h"
 #include "sim/run/error_estimate.h"
 #include "sim/run/trajectory.h"
 

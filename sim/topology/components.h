@@ -1,4 +1,5 @@
-// The parts of a world that move without each other, and the pieces of connectors that are cut.
+// The parts of a world that move without each other: its components, the pieces of cut connectors,
+// and the spans of connectors between held particles.
 #pragma once
 
 #include <cstddef>
@@ -136,5 +137,42 @@ void each_span(const World& world, std::size_t index, const Visit& visit) {
   for (const Hold& hold : connector.holds) until(hold.particle, &hold);
   if (!before || before->particle < connector.links()) until(connector.links(), nullptr);
 }
+
+// Spans: the parts of a connector between held particles.
+
+/// The carrier of an end of a span.
+struct SpanEnd {
+  enum class Kind {
+    prescribed,  // a fixed point, a path or a driven body: moves as it is told
+    body,        // a point of a free body
+    particle,    // a free particle with mass
+    follower,    // a free particle without: takes no part
+  };
+  Kind kind = Kind::prescribed;
+  std::size_t particle = 0;
+  std::uint64_t pin = 0;      // its number, where it is one
+  std::size_t body = 0;       // Kind::body
+  Vec3 point = Vec3::Zero();  // m, body frame
+};
+
+struct Span {
+  std::size_t connector = 0;
+  std::size_t index = 0;  // on its connector
+  SpanEnd a, b;
+  double length = 0;  // m, the sum of the rest lengths
+  double mass = 0;    // kg, its share of the connector's
+  bool taut = false;
+  bool folds = false;  // its ends may come nearer to each other: it is no single rigid link
+
+  std::size_t links() const { return b.particle - a.particle; }
+};
+
+/// Fills `spans` with all spans of a world, connector by connector. A span between the same ends as
+/// one of `before` is as taut as that; another is taut where its ends are as far apart as it is
+/// long.
+void divide(const World& world, const std::vector<Span>& before, std::vector<Span>& spans);
+
+/// True where `world` has a connector that is a massless span.
+bool has_spans(const World& world);
 
 }  // namespace taut

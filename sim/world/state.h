@@ -8,7 +8,6 @@
 
 #include "sim/motion/path.h"
 #include "sim/motion/types.h"
-#include "sim/winch/winch.h"
 #include "sim/world/body.h"
 #include "sim/world/connector.h"
 #include "sim/world/obstacle.h"

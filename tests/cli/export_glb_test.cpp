@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "render/export/gltf/glb.h"
+#include "render/export/frame_writer.h"
 #include "render/mesh/skinning.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/model/load_model.h"

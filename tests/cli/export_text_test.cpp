@@ -9,8 +9,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "render/export/bvh.h"
-#include "render/export/usda.h"
+#include "render/export/frame_writer.h"
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
 #include "tests/cli/export_scenes.h"

@@ -16,7 +16,7 @@
 #include <sstream>
 #include <thread>
 
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "scenes/files/error.h"
 #include "scenes/format/document.h"
 #include "scenes/reader/reader.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "render/base/bounded.h"
+#include "render/base/child.h"
 #include "scenes/format/document.h"
 #include "scenes/reader/reader.h"
 #include "scenes/scene/scene.h"

@@ -23,11 +23,10 @@
 #include "scenes/format/document.h"
 #include "scenes/load/golden_suite.h"
 #include "scenes/load/plan_file.h"
-#include "scenes/model/image.h"
+#include "scenes/model/formats.h"
 #include "scenes/model/import.h"
-#include "scenes/model/obj_materials.h"
 #include "scenes/reader/reader.h"
-#include "scenes/scene/plan.h"
+#include "scenes/scene/scene.h"
 #include "sim/motion/hash.h"
 #include "sim/run/simulation.h"
 

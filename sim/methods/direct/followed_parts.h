@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/links/projection.h"
+#include "sim/links/tension.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/run/method.h"
 

@@ -8,7 +8,7 @@
 #include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/schemes/dop853.h"
 #include "sim/methods/direct/system/system.h"
-#include "sim/topology/span.h"
+#include "sim/topology/components.h"
 
 namespace taut::direct {
 namespace {

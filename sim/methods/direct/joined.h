@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "sim/links/mechanism.h"
-#include "sim/links/projection.h"
-#include "sim/links/pulley_friction.h"
 #include "sim/links/tension.h"
 #include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/schemes/dop853.h"

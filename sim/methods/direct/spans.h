@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/run/method.h"
-#include "sim/topology/span.h"
+#include "sim/topology/components.h"
 #include "sim/world/hanging.h"
 #include "sim/world/world.h"
 

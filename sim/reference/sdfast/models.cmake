@@ -14,7 +14,7 @@ set(declarations "")
 set(rows "")
 
 # The text of a model. A question mark makes a number one that is set at run time. Links are massless lines
-# along y with a particle below; a ball joint needs inertia about the line too (sdfast/ball.h).
+# along y with a particle below; a ball joint needs inertia about the line too (sdfast/chain.h).
 function(taut_sdfast_model joints links result)
   set(model "gravity = 0? 0? 0?\n")
   set(inboard "$ground")

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/choreography/flat_chain.h"
 #include "sim/choreography/flat_fit.h"
 #include "sim/contact/capsule.h"
 #include "sim/motion/rotation.h"

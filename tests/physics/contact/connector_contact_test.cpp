@@ -6,7 +6,6 @@
 
 #include "sim/contact/capsule.h"
 #include "sim/interventions/interventions.h"
-#include "sim/measure/curves.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 #include "sim/world/world.h"

@@ -1,6 +1,4 @@
 // Friction of rope at pulleys, against known answers.
-#include "sim/links/pulley_friction.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,9 +7,10 @@
 #include "../material/material_worlds.h"
 #include "../worlds.h"
 #include "pulley_worlds.h"
+#include "sim/links/tension.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
-#include "sim/winch/winch.h"
+#include "sim/world/connector.h"
 #include "sim/world/winched.h"
 
 namespace taut::pulley_friction_test {

@@ -8,7 +8,7 @@
 #include "../worlds.h"
 #include "pulley_worlds.h"
 #include "sim/measure/measure.h"
-#include "sim/winch/winch.h"
+#include "sim/world/connector.h"
 #include "sim/world/winched.h"
 
 namespace taut::pulley_test {

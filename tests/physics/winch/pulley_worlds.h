@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "../worlds.h"
-#include "sim/winch/winch.h"
+#include "sim/world/connector.h"
 #include "sim/world/winched.h"
 
 namespace taut::pulley_worlds {

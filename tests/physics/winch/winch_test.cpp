@@ -1,6 +1,4 @@
 // Winches: lengths that change, against known answers, energy, momentum and the truth.
-#include "sim/winch/winch.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,10 +8,11 @@
 
 #include "../material/material_worlds.h"
 #include "../worlds.h"
-#include "sim/links/pulley_friction.h"
+#include "sim/links/tension.h"
 #include "sim/measure/measure.h"
 #include "sim/run/reduced.h"
 #include "sim/truth/truth.h"
+#include "sim/world/connector.h"
 #include "sim/world/winched.h"
 
 namespace taut::winch_test {

@@ -1,10 +1,10 @@
 // Work in a copy of the process: what it said is kept, however it ends.
-#include "render/base/bounded.h"
-
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 #include <vector>
+
+#include "render/base/child.h"
 
 namespace taut::bounded_test {
 namespace {

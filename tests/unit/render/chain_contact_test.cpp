@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/mesh/chain_mesh.h"
+#include "render/mesh/connector_mesh.h"
 #include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 

@@ -1,11 +1,10 @@
 // Cameras that are turned and zoomed to what they show.
-#include "render/film/framing.h"
-
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "render/draw/shading/lighting.h"
+#include "render/film/comparison.h"
 
 namespace taut::framing_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/mesh/chain_mesh.h"
+#include "render/mesh/connector_mesh.h"
 #include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 

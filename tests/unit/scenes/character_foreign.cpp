@@ -3,10 +3,9 @@
 
 #include <cmath>
 
-#include "scenes/character/animated.h"
-#include "scenes/character/bone_names.h"
 #include "scenes/character/character.h"
 #include "scenes/character/hand.h"
+#include "scenes/character/skeleton.h"
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/model/load_model.h"

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "scenes/character/capsules.h"
-#include "scenes/character/limb.h"
+#include "scenes/character/skeleton.h"
 #include "scenes/character/track.h"
 
 namespace taut::character_parts {

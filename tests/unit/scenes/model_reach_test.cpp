@@ -3,7 +3,7 @@
 #include <sys/stat.h>
 
 #include "scenes/files/error.h"
-#include "scenes/files/regular_file.h"
+#include "scenes/files/files.h"
 #include "scenes/model/load_model.h"
 #include "scenes/model/named_files.h"
 #include "tests/support/folder.h"

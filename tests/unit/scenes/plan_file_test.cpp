@@ -4,7 +4,7 @@
 
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
-#include "scenes/scene/plan.h"
+#include "scenes/scene/scene.h"
 #include "tests/support/folder.h"
 
 namespace taut::plan_file_test {

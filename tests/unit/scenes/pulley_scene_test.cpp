@@ -1,7 +1,7 @@
 // Pulleys in scene files: what they are read as, and what is said against them.
 #include <gtest/gtest.h>
 
-#include "sim/links/pulley_friction.h"
+#include "sim/links/tension.h"
 #include "sim/run/simulation.h"
 #include "tests/unit/scenes/scene_texts.h"
 

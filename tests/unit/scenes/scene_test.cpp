@@ -6,7 +6,6 @@
 
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
-#include "scenes/load/scene_files.h"
 #include "tests/support/folder.h"
 
 namespace taut::scene_test {

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "sim/measure/measure.h"
-#include "sim/study/bench.h"
 #include "sim/study/speed_accuracy.h"
 #include "sim/study/stability.h"
 

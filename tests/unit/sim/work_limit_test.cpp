@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "sim/motion/stop.h"
-#include "sim/run/cpu_time.h"
 #include "sim/run/simulation.h"
 
 namespace taut::work_limit_test {
