@@ -132,19 +132,22 @@ Verdict refined(const AnswerCase& of, const options::Contender& contender,
       return verdict;
     };
   };
-  const auto has = [&](const char* key) {
-    return std::ranges::any_of(contender.method->settings,
-                               [&](const SettingInfo& setting) { return setting.name == key; });
+  const auto setting = [&](std::string_view key) {
+    const auto found = std::ranges::find(contender.method->settings, key, &SettingInfo::name);
+    return found == contender.method->settings.end() ? nullptr : &*found;
   };
-  if (!has("step")) {
+  const SettingInfo *step = setting("step"), *tolerance = setting("tolerance");
+  if (!step) {
     Verdict verdict = verify(of, contender, set, cpu_cap);
     if (verdict.kind != Verdict::Kind::not_followed)
       verdict.runs.push_back({false, 0, verdict.kind, error_of(of, verdict), verdict.cpu});
     return verdict;
   }
-  Verdict best = refine(of, true, of.scene.duration / kFirstSteps, cpu_cap / 2, runs_of("step"));
-  if (!has("tolerance") || best.kind == Verdict::Kind::not_followed) return best;
-  Verdict other = refine(of, false, length_of(of) / 10, cpu_cap / 2, runs_of("tolerance"));
+  Verdict best = refine(of, true, std::min(of.scene.duration / kFirstSteps, step->maximum),
+                        cpu_cap / 2, runs_of("step"));
+  if (!tolerance || best.kind == Verdict::Kind::not_followed) return best;
+  Verdict other = refine(of, false, std::min(length_of(of) / 10, tolerance->maximum), cpu_cap / 2,
+                         runs_of("tolerance"));
   std::vector<Verdict::Run> runs = std::move(best.runs);
   runs.insert(runs.end(), other.runs.begin(), other.runs.end());
   if (is_better(other, best)) best = std::move(other);

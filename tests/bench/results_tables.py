@@ -462,7 +462,7 @@ def median_of(values, scale=1):
 def answers_costs(work):
     """the order of each method and the cost of its errors, over all known answers"""
     methods = "direct,truth,multibody,dynamic-constraints,springs,xpbd"
-    told = verified(work, f"taut verify --methods {methods} --converge --cap 0.5 --chart out/results/answers --json -q")
+    told = verified(work, f"taut verify --methods {methods} --converge --cap 0.25 --chart out/results/answers --json -q")
     keep(work, work.out / "answers.png", "answers_costs.png")
     rows = [["method", "cases followed", "median order", "within 10%", "1%", "0.1%", "median ms for 10%", "1%", "0.1%"]]
     for method in methods.split(","):
@@ -500,7 +500,7 @@ def answers_engines(work):
         if re.search(found, known):
             names[method] = {"bullet": "Bullet", "mujoco": "MuJoCo"}[method]
             methods.append(method)
-    told = verified(work, f"taut_engines verify --methods {','.join(methods)} --converge --cap 1 --engine "
+    told = verified(work, f"taut_engines verify --methods {','.join(methods)} --converge --cap 0.25 --engine "
                     "'ode=/usr/bin/python3 -B tests/answers/engines/ode_adapter.py' --json -q")
     order = [*methods, "ode"]
 
