@@ -186,8 +186,9 @@ chart::Table costs_table(const std::vector<Verified>& all) {
     for (const auto& [method, verdict] : one.verdicts) {
       const auto order = order_of(one.of, verdict);
       const auto least = least_error(verdict);
-      std::vector<std::string> row{one.of.name, method, text_of(verdict.kind),
-                                   order ? fmt::format("{:.2g}", *order) : "-"};
+      std::vector<std::string> row{
+          one.of.name, method, text_of(verdict.kind),
+          order ? fmt::format("{:.1f}", std::round(10 * *order) / 10 + 0.0) : "-"};
       for (const double error : kErrors) row.push_back(in_ms(cost_of(verdict, error)));
       row.push_back(least ? options::percent(*least) : "-");
       table.add(std::move(row));
@@ -217,12 +218,15 @@ void add_costs(program::Json& entry, const AnswerCase& of, const Verdict& verdic
 
 chart::Chart costs_chart(const std::vector<Verified>& all,
                          const std::vector<chart::Style>& styles) {
+  const auto with_places = std::ranges::count_if(all, [](const Verified& one) {
+    return std::ranges::any_of(one.of.answers, is_place, &Answer::quantity);
+  });
   chart::Chart made;
   made.columns = std::size(kErrors);
   made.width = 1320;
   made.height = 560;
   made.title =
-      fmt::format("How many of {} known answers each method gives, by CPU time", all.size());
+      fmt::format("How many of {} known answers each method gives, by CPU time", with_places);
   made.subtitle =
       "A case counts from the CPU time of the cheapest run whose places are within the error, as a "
       "share of the length.";
@@ -230,7 +234,9 @@ chart::Chart costs_chart(const std::vector<Verified>& all,
     chart::Panel panel;
     panel.title = fmt::format("error of {}", options::percent(error));
     panel.x = {.label = "CPU time per simulated second, ms", .log = true};
-    panel.y = {.label = "cases", .minimum = 0, .maximum = double(all.size())};
+    panel.y = {.label = "cases",
+               .minimum = 0,
+               .maximum = double(std::max<std::ptrdiff_t>(with_places, 1))};
     for (std::size_t m = 0; m < styles.size(); ++m) {
       std::vector<double> costs;
       for (const Verified& one : all) {

@@ -2,6 +2,7 @@
 import csv
 import dataclasses
 import json
+import math
 import re
 import shutil
 import typing
@@ -481,13 +482,34 @@ def answers_costs(work):
             if one["verdict"] == "not run":
                 row.append("")
                 continue
-            order = "-" if one["order"] is None else digits(one["order"], 2)
+            order = "-" if one["order"] is None else f"{one['order']:.1f}".replace("-0.0", "0.0")
             row.append(f"{order}; " + ", ".join("-" if cost["cpu_s"] is None else digits(1000 * cost["cpu_s"], 2)
                                                 for cost in one["costs"]))
         cases.append(row)
     return ("![How many of the known answers each method gives, by CPU time](../../assets/pictures/answers_costs.png)\n\n"
             + markdown(rows, tuple(range(1, 9))) + "\nBy case: the order in the step; ms of CPU time for an error of 10%, "
             "1% and 0.1% of the length. Empty: the method does not follow the scene.\n\n" + markdown(cases, ()))
+
+
+@result("answers-links", ANSWERS)
+def answers_links(work):
+    """how known answers approach those of the continuum with the number of links"""
+    folder = work.out / "links"
+    shutil.rmtree(folder, ignore_errors=True)
+    work.run(f"tests/answers/answers.py --links {folder}")
+    told = verified(work, f"taut verify {folder} --converge --json -q")
+    errors = {}
+    for name, case in told.items():
+        case_name, links = name.rsplit("_", 1)
+        errors.setdefault(case_name, []).append((int(links), case["direct"]["least_error"]))
+    rows = [["case", "links", "error by `direct`", "order in the links"]]
+    for name, column in sorted(errors.items()):
+        before = None
+        for links, error in sorted(column):
+            order = "" if before is None else f"{math.log(before[1] / error) / math.log(links / before[0]):.2f}"
+            rows.append([name, links, f"{digits(100 * error, 2)}%", order])
+            before = links, error
+    return markdown(rows, (1, 2, 3))
 
 
 @result("answers-engines", ANSWERS)

@@ -72,6 +72,24 @@ TEST(Answers, AreRightAtOtherParameters) {
                      "winch_lift"});
 }
 
+// The middle of a chain of straight links approaches the catenary with the square of their length.
+TEST(Answers, OfTheContinuumAreApproachedByLinks) {
+  const Folder folder;
+  ASSERT_EQ(compute({"--links", folder.path(), "catenary"}).code, 0);
+  std::vector<double> errors;
+  for (const char* name : {"catenary_8", "catenary_32"}) {
+    const ProgramResult outcome =
+        run_taut({"verify", folder.path() / name, "--converge", "--json", "-q"});
+    errors.push_back(nlohmann::json::parse(outcome.output)
+                         .at("cases")
+                         .at(0)
+                         .at("methods")
+                         .at(0)
+                         .at("least_error"));
+  }
+  EXPECT_NEAR(errors[0] / errors[1], 16, 0.5);
+}
+
 TEST(LongAnswers, AllAreRightAtOtherParameters) {
   expect_variations({});
 }
