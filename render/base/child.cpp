@@ -71,11 +71,17 @@ class MemoryFile {
 /// The child's work between the fork and the program: only calls that are safe there, as other
 /// threads may have held any lock. Ends with errno in `failure` where there is no such program.
 [[noreturn]] void become(char* const* arguments, const char* folder, const int (&files)[3],
-                         pid_t parent, int failure) {
+                         pid_t parent, int failure, const ChildLimits& limits) {
   // The kernel ends the child with the thread that made it; a parent that is gone by now never
   // will.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
+  const rlimit cpu{limits.cpu_time, limits.cpu_time + 1}, output{limits.output, limits.output};
+  if (limits.cpu_time > 0) setrlimit(RLIMIT_CPU, &cpu);
+  if (limits.output > 0) {
+    setrlimit(RLIMIT_FSIZE, &output);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
   for (int i = 0; i < 3; ++i) {
     if (files[i] != i) dup2(files[i], i);
   }
@@ -89,7 +95,7 @@ class MemoryFile {
 class Child {
  public:
   Child(const std::vector<std::string>& arguments, const std::filesystem::path& folder, int in,
-        int out, int err) {
+        int out, int err, const ChildLimits& limits) {
     std::vector<char*> argv;
     for (const std::string& argument : arguments)
       argv.push_back(const_cast<char*>(argument.c_str()));
@@ -99,7 +105,7 @@ class Child {
     const pid_t parent = getpid();
     id_ = fork();
     const int fork_error = errno;
-    if (id_ == 0) become(argv.data(), folder.c_str(), {in, out, err}, parent, failure[1]);
+    if (id_ == 0) become(argv.data(), folder.c_str(), {in, out, err}, parent, failure[1], limits);
     close(failure[1]);
     int error = id_ < 0 ? fork_error : 0;
     if (id_ > 0) {
@@ -132,7 +138,7 @@ class Child {
     }
     if (info.si_pid != id_) return false;
     running_.reset();
-    waitpid(id_, &status_, 0);
+    wait4(id_, &status_, 0, &used_);
     return ended_ = true;
   }
   void kill() const { ::kill(id_, SIGKILL); }
@@ -157,23 +163,31 @@ class Child {
     }
     return false;
   }
+  /// CPU time once it has ended, with the children that it waited for, s.
+  double cpu_time_used() const {
+    const auto seconds = [](const timeval& time) {
+      return double(time.tv_sec) + 1e-6 * double(time.tv_usec);
+    };
+    return seconds(used_.ru_utime) + seconds(used_.ru_stime);
+  }
   int status() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_); }
 
  private:
   pid_t id_ = 0;
   std::optional<RunningChild> running_;
   int status_ = 0;
+  rusage used_{};
   bool ended_ = false;
 };
 
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
-                      std::chrono::milliseconds patience, const std::filesystem::path& folder) {
+                      const ChildLimits& limits, const std::filesystem::path& folder) {
   using Clock = std::chrono::steady_clock;
   MemoryFile in, out, err;
   in.put(input);
-  Child child(arguments, folder, in.descriptor(), out.descriptor(), err.descriptor());
+  Child child(arguments, folder, in.descriptor(), out.descriptor(), err.descriptor(), limits);
   std::string blocked;
   auto last_work = Clock::now();
   double work = 0;
@@ -184,12 +198,13 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::stri
     if (const double now = child.cpu_time(); now > work) {
       work = now;
       last_work = Clock::now();
-    } else if (blocked.empty() && Clock::now() - last_work > patience && !child.wants_to_work()) {
+    } else if (blocked.empty() && Clock::now() - last_work > limits.patience &&
+               !child.wants_to_work()) {
       blocked = arguments[0] + " did nothing for too long and was killed\n";
       child.kill();
     }
   }
-  return {child.status(), out.get(), blocked + err.get()};
+  return {child.status(), child.cpu_time_used(), out.get(), blocked + err.get()};
 }
 
 namespace {

@@ -13,7 +13,8 @@
 namespace taut::render {
 
 struct ChildResult {
-  int status = 0;  // exit code; 128 + number when a signal ended it
+  int status = 0;       // exit code; 128 + number when a signal ended it
+  double cpu_time = 0;  // s, with the children that it waited for
   std::string output;
   std::string errors;
 };
@@ -21,14 +22,21 @@ struct ChildResult {
 /// A child that uses no CPU time for so long counts as blocked.
 constexpr std::chrono::milliseconds kPatience = std::chrono::minutes(1);
 
+/// What a child may use; beyond it the kernel or run_child() ends it.
+struct ChildLimits {
+  std::chrono::milliseconds patience = kPatience;  // to do nothing
+  std::size_t cpu_time = 0;                        // s; zero: any
+  std::size_t output = 0;                          // bytes of a file that it writes; zero: any
+};
+
 /// Runs the program `arguments[0]`, found on the PATH, without a shell, in `folder` (empty: the
-/// current one), and waits for its end. Input and output are memory files, so that neither side can
-/// block the other. A child that uses no CPU time for `patience` is killed, and `errors` says so;
-/// the kernel kills one whose parent dies. Throws std::system_error if the program cannot be
+/// current one), on `input`, and waits for its end. Input and output are memory files, so that
+/// neither side can block the other. A child that uses no CPU time for the limits' patience is
+/// killed, and its errors say so; the kernel kills one whose parent dies, and one beyond the limits
+/// of CPU time (SIGXCPU) or output (SIGXFSZ). Throws std::system_error if the program cannot be
 /// started, and Interrupted once the child is killed.
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
-                      std::chrono::milliseconds patience = kPatience,
-                      const std::filesystem::path& folder = {});
+                      const ChildLimits& limits = {}, const std::filesystem::path& folder = {});
 
 // Work within limits: in a copy of this process that is killed at a limit.
 

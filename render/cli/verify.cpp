@@ -9,6 +9,8 @@
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
+#include "render/study/answer_costs.h"
+#include "render/study/answer_engines.h"
 #include "render/study/known_answers.h"
 
 namespace taut::cli {
@@ -22,8 +24,10 @@ using studies::Verified;
 struct Options {
   std::vector<std::string> cases;
   options::StudyOptions study;  // of its fields only the methods and --set
-  double cap = 60;              // s of CPU time
-  std::string csv, page;
+  std::vector<std::string> engines;
+  double cap = 60;  // s of CPU time
+  std::string csv, page, chart;
+  bool converge = false;
   bool failures = false;
 };
 
@@ -38,6 +42,22 @@ std::vector<options::Contender> contenders_of(const options::StudyOptions& study
     options::StudyOptions one;
     one.methods = {name};
     all.push_back(options::chosen_contenders(one).front());
+  }
+  return all;
+}
+
+/// The engines of --engine, whose names differ from each other's and from the methods'.
+std::vector<studies::Engine> engines_of(const Options& options,
+                                        const std::vector<options::Contender>& contenders) {
+  std::vector<studies::Engine> all;
+  for (const std::string& text : options.engines) {
+    studies::Engine engine = studies::engine_of(text);
+    const auto is_taken = [&](const auto& label) { return label == engine.name; };
+    if (std::ranges::any_of(contenders, is_taken, &options::Contender::label) ||
+        std::ranges::any_of(all, is_taken, &studies::Engine::name)) {
+      throw program::Misuse(fmt::format("--engine {}: the name is taken", text));
+    }
+    all.push_back(std::move(engine));
   }
   return all;
 }
@@ -117,6 +137,7 @@ program::Json json_of(const Verified& one) {
       entry["worst"] = nullptr;
     }
     entry["cpu_s"] = verdict.cpu;
+    if (!verdict.runs.empty()) studies::add_costs(entry, one.of, verdict);
     json["methods"].push_back(std::move(entry));
   }
   return json;
@@ -129,7 +150,13 @@ void write(const std::string& file, const std::string& text) {
 }
 
 int run(const Options& options, const program::Common& common) {
-  const std::vector<options::Contender> contenders = contenders_of(options.study);
+  if (!options.chart.empty() && !options.converge)
+    throw program::Misuse("--chart needs --converge, whose costs it shows");
+  options::StudyOptions study = options.study;
+  if (study.methods.empty() && options.engines.empty()) study.methods = {"direct"};
+  const std::vector<options::Contender> contenders = contenders_of(study);
+  const std::vector<studies::Engine> engines = engines_of(options, contenders);
+  if (!options.chart.empty()) chart::require_gnuplot();
   refuse_unknown(options.study.inputs.set, contenders);
   std::vector<std::filesystem::path> paths(options.cases.begin(), options.cases.end());
   if (paths.empty()) paths.emplace_back("tests/answers");
@@ -141,19 +168,33 @@ int run(const Options& options, const program::Common& common) {
     for (const std::filesystem::path& folder : folders) {
       render::stop_if_interrupted();
       Verified one{studies::read_answer_case(folder), {}};
-      for (const options::Contender& contender : contenders) {
-        Verdict verdict = studies::verify(one.of, contender, options.study.inputs.set, options.cap);
+      const auto add = [&](const std::string& name, Verdict verdict) {
         failures += verdict.is_failure();
         passes += verdict.kind == Verdict::Kind::passes;
         not_run += verdict.kind == Verdict::Kind::not_followed;
-        one.verdicts.emplace_back(contender.label, std::move(verdict));
+        one.verdicts.emplace_back(name, std::move(verdict));
+      };
+      for (const options::Contender& contender : contenders) {
+        const std::vector<std::string>& set = options.study.inputs.set;
+        add(contender.label, options.converge
+                                 ? studies::refined(one.of, contender, set, options.cap)
+                                 : studies::verify(one.of, contender, set, options.cap));
       }
+      for (const studies::Engine& engine : engines)
+        add(engine.name, studies::refined(one.of, engine, options.cap));
       all.push_back(std::move(one));
       progress.update(all.size());
     }
   }
   if (!options.csv.empty()) write(options.csv, chart::to_csv(every_answer(all)));
   if (!options.page.empty()) write(options.page, studies::answers_page(all));
+  if (!options.chart.empty()) {
+    std::vector<chart::Style> styles;
+    for (const options::Contender& contender : contenders) styles.push_back(contender.style);
+    for (std::size_t i = 0; i < engines.size(); ++i)
+      styles.push_back(chart::method_style(contenders.size() + i));
+    chart::write_chart(studies::costs_chart(all, styles), options.chart);
+  }
   if (common.json) {
     program::Json json = {{"passes", passes},
                           {"failures", failures},
@@ -162,7 +203,8 @@ int run(const Options& options, const program::Common& common) {
     for (const Verified& one : all) json["cases"].push_back(json_of(one));
     render::write_output(program::json_text(json) + "\n");
   } else {
-    const chart::Table table = worst_answers(all, options.failures);
+    const chart::Table table =
+        options.converge ? studies::costs_table(all) : worst_answers(all, options.failures);
     if (!table.rows.empty()) render::write_output(program::table_text(table));
     render::write_output(fmt::format("{} pass, {} fail, {} not run\n", passes, failures, not_run));
   }
@@ -174,36 +216,56 @@ int run(const Options& options, const program::Common& common) {
 
 void add_verify(CLI::App& app, program::Program& program) {
   using namespace verify_command;
-  program::Command command =
-      program::add_command(app, program, "verify", "Compare scenes with their known answers",
-                           R"(  taut verify
+  program::Command command = program::add_command(app, program, "verify",
+                                                  "Compare scenes with their known answers",
+                                                  R"(  taut verify
   taut verify tests/answers/pendulum tests/answers/capstan
   taut verify --methods direct,truth,xpbd
   taut verify --methods direct --set tolerance=1e-6 --page verify.html --csv verify.csv
+  taut verify --methods direct,springs --converge --cap 1 --chart costs
+  taut verify --methods direct --engine ode=tests/answers/engines/ode_adapter.py --cap 2
 
 A case is a folder with scene.toml and answer.csv: rows of time,quantity,value,tolerance, from
 theory. A method passes if every error is within its tolerance. Exit code 1: a method fails.
 CASE is such a folder, or a folder of cases; default: tests/answers. Methods that do not support a
 feature of the scene are not run.
 
-)" + std::string(studies::kQuantitiesHelp));
+--converge runs each method at finer and finer steps, and at finer and finer tolerances if it has
+one: until it passes, gets no better, or reaches --cap. It tells the order in the step, and the CPU
+time for errors of places of a tenth, a hundredth and a thousandth of the length.
+
+)" + std::string(studies::kEngineHelp) + "\n\n" + std::string(studies::kQuantitiesHelp));
   const auto options = std::make_shared<Options>();
-  options->study.methods = {"direct"};
   command.add_option("CASE", options->cases, "Folders of cases");
   command
       .add_option("--methods", options->study.methods,
-                  "Methods to verify, METHOD or METHOD:FORM, separated by commas; default: direct")
+                  "Methods to verify, METHOD or METHOD:FORM, separated by commas; default: direct, "
+                  "or none with --engine")
       .delimiter(',');
+  command
+      .add_option("--engine", options->engines,
+                  "Another program to verify, see above; may be repeated")
+      .one_value_each()
+      .type_name("NAME=COMMAND");
+  command.add_flag("--converge", options->converge,
+                   "Refine the steps of each method: its order, and what errors cost");
   command
       .add_option("--set", options->study.inputs.set,
                   "Override a setting of the methods, as in tolerance=1e-6; may be repeated")
       .one_value_each()
       .type_name("KEY=VALUE");
-  command.add_option("--cap", options->cap, "CPU time limit of a run, s; default: 60").positive();
+  command
+      .add_option(
+          "--cap", options->cap,
+          "CPU time limit of a run, s; with --converge and --engine of all runs of a method "
+          "on a case; default: 60")
+      .positive();
   command.add_flag("--failures", options->failures, "Print only failures in the table");
   command.add_option("--csv", options->csv, "CSV file for all answers and values");
   command.add_option("--page", options->page,
                      "Self-contained HTML file for all answers, with drawings");
+  command.add_option("--chart", options->chart,
+                     "With --converge: chart of CPU time against error, as FILE.svg and FILE.png");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

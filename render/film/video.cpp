@@ -31,7 +31,7 @@ render::ChildResult run(const std::vector<std::string>& arguments, const std::st
                         std::chrono::milliseconds patience,
                         const std::filesystem::path& folder = {}) {
   try {
-    return render::run_child(arguments, input, patience, folder);
+    return render::run_child(arguments, input, {.patience = patience}, folder);
   } catch (const std::system_error& error) {
     throw render::EncoderFailed(fmt::format("{} (is FFmpeg installed?)", error.what()));
   }

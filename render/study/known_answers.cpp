@@ -250,23 +250,6 @@ Quantity quantity_of(const Things& things, std::string_view name) {
 constexpr std::size_t kMostBytes = 16 << 20;
 constexpr std::string_view kColumns = "time,quantity,value,tolerance";
 
-std::optional<double> number_of(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
-  return number;
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 /// The rows of answer.csv; lines that begin with # are comments.
 std::vector<Answer> read_answers(const fs::path& file, const scenes::Scene& scene) {
   const std::string text = scenes::read_regular_file(file, kMostBytes, "rows of known answers");
@@ -288,10 +271,10 @@ std::vector<Answer> read_answers(const fs::path& file, const scenes::Scene& scen
       if (line != kColumns) fail(fmt::format("expected the columns {}", kColumns));
       continue;
     }
-    const std::vector<std::string_view> cells = cells_of(line);
+    const std::vector<std::string_view> cells = row_cells(line);
     if (cells.size() != 4) fail(fmt::format("{} cells, expected {}", cells.size(), kColumns));
-    const auto time = number_of(cells[0]), value = number_of(cells[2]),
-               tolerance = number_of(cells[3]);
+    const auto time = finite_number(cells[0]), value = finite_number(cells[2]),
+               tolerance = finite_number(cells[3]);
     constexpr double kRounding = 1e-9;
     if (!time || *time < 0 || *time > scene.duration * (1 + kRounding)) {
       fail(fmt::format("time: \"{}\", expected a number from 0 to the scene's duration, {} s",
@@ -394,6 +377,23 @@ AnswerCase read_answer_case(const fs::path& folder) {
   return made;
 }
 
+std::optional<double> finite_number(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
+  return number;
+}
+
+std::vector<std::string_view> row_cells(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
 std::string text_of(Verdict::Kind kind) {
   switch (kind) {
     case Verdict::Kind::passes:
@@ -404,10 +404,25 @@ std::string text_of(Verdict::Kind kind) {
       return "diverged";
     case Verdict::Kind::over_cap:
       return "over the cap";
+    case Verdict::Kind::broken:
+      return "broken";
     case Verdict::Kind::not_followed:
       return "not run";
   }
   return "";
+}
+
+void judge(Verdict& verdict, const AnswerCase& of, double value) {
+  const Answer& answer = of.answers[verdict.values.size()];
+  value = signed_as(answer, value);
+  const double share = std::isfinite(value) ? std::abs(value - answer.value) / answer.tolerance
+                                            : std::numeric_limits<double>::infinity();
+  if (share > verdict.share) {
+    verdict.share = share;
+    verdict.worst = verdict.values.size();
+  }
+  verdict.values.push_back(value);
+  if (!(verdict.share <= 1)) verdict.kind = Verdict::Kind::fails;
 }
 
 Verdict verify(const AnswerCase& of, const options::Contender& contender,
@@ -442,19 +457,9 @@ Verdict verify(const AnswerCase& of, const options::Contender& contender,
       Now now{world, simulation.state()};
       verdict.states.push_back(now.state);
       for (; i < of.answers.size() && of.answers[i].time == time; ++i) {
-        const Answer& answer = of.answers[i];
-        const double value = signed_as(answer, quantities[i](now));
-        const double share = std::isfinite(value)
-                                 ? std::abs(value - answer.value) / answer.tolerance
-                                 : std::numeric_limits<double>::infinity();
-        verdict.values.push_back(value);
-        if (share > verdict.share) {
-          verdict.share = share;
-          verdict.worst = i;
-        }
+        judge(verdict, of, quantities[i](now));
       }
     }
-    if (!(verdict.share <= 1)) verdict.kind = Verdict::Kind::fails;
   } catch (const OverLimit&) {
     if (!limit.reached()) throw;
     verdict.cpu = std::max(verdict.cpu, thread_seconds() - begun);

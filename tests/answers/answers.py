@@ -5,11 +5,13 @@
     tests/answers/answers.py                     those of all cases
     tests/answers/answers.py --check             computes all again and compares with the files
     tests/answers/answers.py --vary FOLDER       writes every case at other parameters into FOLDER
+    tests/answers/answers.py --links FOLDER      writes cases with other numbers of links, and the continuum's answers
     tests/answers/answers.py --set connectors.rope.length=0.7 --to FOLDER pendulum
 
 A case's answer.py has a function answer(scene): the scene as tomllib reads it in, a list of rows
 (time, quantity, value, tolerance) out. It computes the values by two routes and compares them. Its
-list VARIED has changes of the scene at which it is right as well.
+list VARIED has changes of the scene at which it is right as well. Where links refine, continuum(scene)
+gives the answer of infinitely many, and LINKS names the numbers at which --links writes the case.
 """
 
 import argparse
@@ -241,9 +243,9 @@ def changed(scene, changes):
     return scene
 
 
-def rows_of(module, scene):
+def rows_of(answer, scene):
     rows = [(float(t), quantity, float(value), float(tolerance))
-            for t, quantity, value, tolerance in module.answer(scene)]
+            for t, quantity, value, tolerance in answer(scene)]
     for row in rows:
         if not (row[0] <= scene["duration"] * (1 + 1e-9) and np.isfinite(row[2]) and row[3] > 0):
             raise AssertionError(f"a wrong row: {row}")
@@ -275,12 +277,12 @@ def toml_of(value):
     return repr(value)
 
 
-def write_case(folder, module, scene):
+def write_case(folder, answer, scene):
     """A case as a folder of its own."""
     folder.mkdir(parents=True, exist_ok=True)
     text = "".join(f"{key} = {toml_of(value)}\n" for key, value in scene.items())
     (folder / "scene.toml").write_text(text)
-    (folder / "answer.csv").write_text(csv_of(rows_of(module, scene)))
+    (folder / "answer.csv").write_text(csv_of(rows_of(answer, scene)))
 
 
 def compare(rows, kept):
@@ -305,6 +307,7 @@ def main():
     parser.add_argument("cases", nargs="*", metavar="CASE", help="names of cases; default: all")
     parser.add_argument("--check", action="store_true", help="compare with the files; write none")
     parser.add_argument("--vary", metavar="FOLDER", help="the cases at other parameters, into there")
+    parser.add_argument("--links", metavar="FOLDER", help="the cases at other numbers of links, into there")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="changes")
     parser.add_argument("--to", metavar="FOLDER", help="the case with the changes of --set, there")
     arguments = parser.parse_args()
@@ -317,16 +320,21 @@ def main():
             if arguments.vary:
                 for k, changes in enumerate(module.VARIED):
                     target = pathlib.Path(arguments.vary) / f"{name}_{k + 1}"
-                    write_case(target, module, changed(scene, changes))
+                    write_case(target, module.answer, changed(scene, changes))
+            elif arguments.links:
+                for links in getattr(module, "LINKS", []):
+                    key = f"connectors.{next(iter(scene['connectors']))}.particles"
+                    target = pathlib.Path(arguments.links) / f"{name}_{links}"
+                    write_case(target, module.continuum, changed(scene, {key: links + 1}))
             elif arguments.to:
                 changes = dict(parsed(text) for text in arguments.changes)
-                write_case(pathlib.Path(arguments.to), module, changed(scene, changes))
+                write_case(pathlib.Path(arguments.to), module.answer, changed(scene, changes))
             elif arguments.check:
-                difference = compare(rows_of(module, scene), read_csv(folder / "answer.csv"))
+                difference = compare(rows_of(module.answer, scene), read_csv(folder / "answer.csv"))
                 if difference:
                     raise AssertionError(difference)
             else:
-                (folder / "answer.csv").write_text(csv_of(rows_of(module, scene)))
+                (folder / "answer.csv").write_text(csv_of(rows_of(module.answer, scene)))
         except Exception as error:  # so that each case has its turn
             failed += 1
             print(f"{name}: {type(error).__name__}: {error}", file=sys.stderr)

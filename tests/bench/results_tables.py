@@ -2,6 +2,7 @@
 import csv
 import dataclasses
 import json
+import math
 import re
 import shutil
 import typing
@@ -415,6 +416,108 @@ def answers_methods(work):
         rows.append([f"`{method}`", len(passes), len(near), len(ran) - len(passes) - len(near), len(mine) - len(ran),
                      digits(sum(one["cpu_s"] for one in ran), 2)])
     return f"{len(told['cases'])} cases.\n\n" + markdown(rows, (1, 2, 3, 4, 5))
+
+
+def verified(work, command):
+    """What `taut verify --json` tells, by case and method."""
+    told = json.loads(work.run(command, codes=(0, 1)))
+    return {case["case"]: {one["method"]: one for one in case["methods"]} for case in told["cases"]}
+
+
+def median_of(values, scale=1):
+    values = sorted(value for value in values if value is not None)
+    return digits(scale * (values[(len(values) - 1) // 2] + values[len(values) // 2]) / 2, 2) if values else "-"
+
+
+@result("answers-costs", ANSWERS)
+def answers_costs(work):
+    """the order of each method and the cost of its errors, over all known answers"""
+    methods = "direct,truth,multibody,dynamic-constraints,springs,xpbd"
+    told = verified(work, f"taut verify --methods {methods} --converge --cap 0.25 --chart out/results/answers --json -q")
+    keep(work, work.out / "answers.png", "answers_costs.png")
+    rows = [["method", "cases followed", "median order", "within 10%", "1%", "0.1%", "median ms for 10%", "1%", "0.1%"]]
+    for method in methods.split(","):
+        ran = [case[method] for case in told.values() if case[method]["verdict"] != "not run"]
+        costs = [[one["costs"][k]["cpu_s"] for one in ran] for k in range(3)]
+        rows.append([f"`{method}`", len(ran), median_of([one["order"] for one in ran]),
+                     *(sum(cost is not None for cost in column) for column in costs),
+                     *(median_of(column, 1000) for column in costs)])
+    cases = [["case", *(f"`{method}`" for method in methods.split(",") if method != "truth")]]
+    for name, case in told.items():
+        row = [name]
+        for method in methods.split(","):
+            one = case[method]
+            if method == "truth":
+                continue
+            if one["verdict"] == "not run":
+                row.append("")
+                continue
+            order = "-" if one["order"] is None else f"{one['order']:.1f}".replace("-0.0", "0.0")
+            row.append(f"{order}; " + ", ".join("-" if cost["cpu_s"] is None else digits(1000 * cost["cpu_s"], 2)
+                                                for cost in one["costs"]))
+        cases.append(row)
+    return ("![How many of the known answers each method gives, by CPU time](../../assets/pictures/answers_costs.png)\n\n"
+            + markdown(rows, tuple(range(1, 9))) + "\nBy case: the order in the step; ms of CPU time for an error of 10%, "
+            "1% and 0.1% of the length. Empty: the method does not follow the scene.\n\n" + markdown(cases, ()))
+
+
+@result("answers-links", ANSWERS)
+def answers_links(work):
+    """how known answers approach those of the continuum with the number of links"""
+    folder = work.out / "links"
+    shutil.rmtree(folder, ignore_errors=True)
+    work.run(f"tests/answers/answers.py --links {folder}")
+    told = verified(work, f"taut verify {folder} --converge --json -q")
+    errors = {}
+    for name, case in told.items():
+        case_name, links = name.rsplit("_", 1)
+        errors.setdefault(case_name, []).append((int(links), case["direct"]["least_error"]))
+    rows = [["case", "links", "error by `direct`", "order in the links"]]
+    for name, column in sorted(errors.items()):
+        before = None
+        for links, error in sorted(column):
+            order = "" if before is None else f"{math.log(before[1] / error) / math.log(links / before[0]):.2f}"
+            rows.append([name, links, f"{digits(100 * error, 2)}%", order])
+            before = links, error
+    return markdown(rows, (1, 2, 3))
+
+
+@result("answers-engines", ANSWERS)
+def answers_engines(work):
+    """the known answers by other engines, each at its best step"""
+    names = {"direct": "taut `direct`", "multibody": "Simbody", "ode": "ODE"}
+    methods = ["direct", "multibody"]
+    known = (work.build / "CMakeCache.txt").read_text()
+    for method, found in (("bullet", r"bullet_FOUND:INTERNAL=1"), ("mujoco", r"MUJOCO_LIBRARY:FILEPATH=/")):
+        if re.search(found, known):
+            names[method] = {"bullet": "Bullet", "mujoco": "MuJoCo"}[method]
+            methods.append(method)
+    told = verified(work, f"taut_engines verify --methods {','.join(methods)} --converge --cap 0.5 --engine "
+                    "'ode=/usr/bin/python3 -B tests/answers/engines/ode_adapter.py' --json -q")
+    order = [*methods, "ode"]
+
+    def is_refused(one):
+        return one["verdict"] == "not run" or one["reason"] is not None and "engines are given" in one["reason"]
+
+    def cell(one):
+        if is_refused(one):
+            return re.sub(r"^cannot express: ", "no: ", one["reason"]) if one["reason"].startswith("cannot") else ""
+        if one["worst"] is None or one["worst"]["share_of_tolerance"] is None:
+            return one["verdict"]
+        if one["verdict"] == "passes":
+            return "passes"
+        least = one["least_error"]
+        return f"{digits(100 * least, 2)}%" if least is not None else one["verdict"]
+
+    rows = [["case", *(names[method] for method in order)]]
+    rows += [[name, *(cell(case[method]) for method in order)] for name, case in told.items()]
+    total = [["engine", "expresses", "passes", "within 0.1%", "within 1%"]]
+    for method in order:
+        ran = [case[method] for case in told.values() if not is_refused(case[method])]
+        near = [sum(one["least_error"] is not None and one["least_error"] <= error for one in ran) for error in (1e-3, 1e-2)]
+        total.append([names[method], len(ran), sum(one["verdict"] == "passes" for one in ran), *near])
+    return (markdown(total, (1, 2, 3, 4)) + "\nBy case: whether it passes at its best step, or the least error of a place in "
+            "shares of the length. Empty, or no: the engine's model cannot express the scene.\n\n" + markdown(rows, ()))
 
 
 # The results in render/README.md and scenes/README.md.

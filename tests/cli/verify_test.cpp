@@ -72,6 +72,24 @@ TEST(Answers, AreRightAtOtherParameters) {
                      "winch_lift"});
 }
 
+// The middle of a chain of straight links approaches the catenary with the square of their length.
+TEST(Answers, OfTheContinuumAreApproachedByLinks) {
+  const Folder folder;
+  ASSERT_EQ(compute({"--links", folder.path(), "catenary"}).code, 0);
+  std::vector<double> errors;
+  for (const char* name : {"catenary_8", "catenary_32"}) {
+    const ProgramResult outcome =
+        run_taut({"verify", folder.path() / name, "--converge", "--json", "-q"});
+    errors.push_back(nlohmann::json::parse(outcome.output)
+                         .at("cases")
+                         .at(0)
+                         .at("methods")
+                         .at(0)
+                         .at("least_error"));
+  }
+  EXPECT_NEAR(errors[0] / errors[1], 16, 0.5);
+}
+
 TEST(LongAnswers, AllAreRightAtOtherParameters) {
   expect_variations({});
 }
@@ -170,13 +188,141 @@ TEST(Verify, AFaultOfACaseHasItsPlace) {
   EXPECT_EQ(run_taut({"verify", folder.path() / "case"}).code, 3);
 }
 
+/// An engine that is a shell script.
+std::string engine_of(const Folder& folder, const std::string& script) {
+  return "mine=sh " + folder.write("engine.sh", script).string();
+}
+
+/// What became of the one engine or method of the one case.
+nlohmann::json verdict_of(const ProgramResult& outcome) {
+  return nlohmann::json::parse(outcome.output).at("cases").at(0).at("methods").at(0);
+}
+
+// The engine errs by its step: it is refined until it passes, and its order is seen.
+TEST(Engine, StepIsHalvedUntilItPasses) {
+  const Folder folder;
+  const fs::path made =
+      write_case(folder, kScene, "time,quantity,value,tolerance\n1,ball.y,-4.905,1e-3\n");
+  const std::string engine = engine_of(folder, R"(
+awk -F, -v step="$2" 'NR == 1 { print "time,quantity,value" }
+  NR > 1 { printf "%s,%s,%.9g\n", $1, $2, -4.905 - step } END { print "cpu_s,0.001" }'
+)");
+  const ProgramResult outcome = run_taut({"verify", made, "--engine", engine, "--json", "-q"});
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  const auto verdict = verdict_of(outcome);
+  EXPECT_EQ(verdict.at("method"), "mine");
+  EXPECT_EQ(verdict.at("verdict"), "passes");
+  EXPECT_EQ(verdict.at("runs").size(), 6u);  // 1/32 to 1/1024 s
+  EXPECT_NEAR(verdict.at("worst").at("value"), -4.905 - 1.0 / 1024, 1e-8);
+  EXPECT_EQ(verdict.at("cpu_s"), 0.001);
+}
+
+TEST(Engine, StandsBesideMethods) {
+  const Folder folder;
+  const fs::path made = write_case(folder, kScene, kAnswer);
+  const std::string engine = engine_of(folder, "echo 'cannot express: gravity'");
+  const ProgramResult outcome =
+      run_taut({"verify", "case", "--methods", "direct", "--engine", engine, "--page", "all.html"},
+               folder.path());
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_NE(outcome.output.find("cannot express: gravity"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("1 pass, 0 fail, 1 not run"), std::string::npos);
+  EXPECT_NE(read_file(folder.path() / "all.html").find("<b>mine</b>: not run"), std::string::npos);
+}
+
+TEST(Engine, FaultsAreToldByName) {
+  const Folder folder;
+  const fs::path made = write_case(folder, kScene, kAnswer);
+  for (const auto& [script, told] : std::vector<std::pair<std::string, std::string>>{
+           {"echo no licence >&2; exit 3", "exit code 3: no licence"},
+           {"kill -SEGV $$", "exit code 139"},
+           {"", "output: 0 rows, expected 1"},
+           {"echo t,q,v", "line 1: \"t,q,v\", expected the columns time,quantity,value"},
+           {"echo time,quantity,value; echo 1,ball.y",
+            "line 2: \"1,ball.y\", expected 1,ball.y,VALUE"},
+           {"echo time,quantity,value; echo 1,ball.x,0", "expected 1,ball.y,VALUE"},
+           {"echo time,quantity,value; echo 2,ball.y,0", "expected 1,ball.y,VALUE"},
+           {"echo time,quantity,value; echo 1,ball.y,fast", "expected a number"},
+           {"echo time,quantity,value; echo 1,ball.y,0; echo 1,ball.y,0", "expected no more rows"},
+           {"echo cpu_s,-1", "expected cpu_s and a number of seconds"},
+           {"head -c 20000000 /dev/zero", "output"}}) {
+    const ProgramResult outcome =
+        run_taut({"verify", made, "--engine", engine_of(folder, script), "--json", "-q"});
+    EXPECT_EQ(outcome.code, 1) << script;
+    const auto verdict = verdict_of(outcome);
+    EXPECT_EQ(verdict.at("verdict"), "broken") << script;
+    EXPECT_NE(verdict.at("reason").get<std::string>().find(told), std::string::npos) << verdict;
+  }
+  // A value that is no number is a wrong answer; an engine that does not end is stopped.
+  const ProgramResult none =
+      run_taut({"verify", made, "--engine",
+                engine_of(folder, "echo time,quantity,value; echo 1,ball.y,nan; echo cpu_s,1"),
+                "--cap", "1", "--json", "-q"});
+  EXPECT_EQ(verdict_of(none).at("verdict"), "fails");
+  const ProgramResult endless =
+      run_taut({"verify", made, "--engine", engine_of(folder, "while :; do :; done"), "--cap",
+                "0.1", "--json", "-q"});
+  EXPECT_EQ(endless.code, 1);
+  EXPECT_EQ(verdict_of(endless).at("verdict"), "over the cap");
+}
+
+/// That an adapter in the repository gives a case's places within a hundredth of the length.
+void expect_adapter(const std::string& adapter, const std::string& of) {
+  const ProgramResult outcome =
+      run_taut({"verify", std::string(kAnswers) + "/" + of, "--engine",
+                "it=/usr/bin/python3 -B " + std::string(kAnswers) + "/engines/" + adapter, "--cap",
+                "0.02", "--json", "-q"});
+  const auto verdict = verdict_of(outcome);
+  ASSERT_TRUE(verdict.at("least_error").is_number()) << verdict;
+  EXPECT_LT(verdict.at("least_error"), 0.01) << verdict;
+}
+
+TEST(Engine, TheExampleIsAnAdapter) {
+  expect_adapter("example.py", "elastic_pendulum");
+}
+
+TEST(Engine, OdeHasAnAdapter) {
+  if (Child({"/usr/bin/python3", "-c", "import ode"}, TAUT_SOURCE_DIR).wait().code != 0)
+    GTEST_SKIP() << "python3-pyode is not installed";
+  expect_adapter("ode_adapter.py", "stick_slips_on_floor");
+}
+
+// xpbd is of first order in its step, dynamic-constraints of its fourth; errors cost the more the
+// smaller they are.
+TEST(Converge, TellsOrderAndCost) {
+  const Folder folder;
+  const ProgramResult outcome =
+      run_taut({"verify", std::string(kAnswers) + "/chain_swing", "--methods",
+                "xpbd,dynamic-constraints,direct,truth", "--converge", "--cap", "0.3", "--chart",
+                folder.path() / "costs", "--json", "-q"});
+  EXPECT_EQ(outcome.code, 1);  // xpbd does not pass
+  const auto methods = nlohmann::json::parse(outcome.output).at("cases").at(0).at("methods");
+  EXPECT_NEAR(methods.at(0).at("order"), 1, 0.2);
+  EXPECT_NEAR(methods.at(1).at("order"), 4, 0.6);
+  EXPECT_EQ(methods.at(2).at("verdict"), "passes");
+  EXPECT_EQ(methods.at(3).at("runs").size(), 1u);  // has neither step nor tolerance
+  for (const auto& method : methods) {
+    const auto& costs = method.at("costs");
+    EXPECT_LE(costs.at(0).at("cpu_s"), costs.at(1).at("cpu_s"));
+    EXPECT_LE(costs.at(1).at("cpu_s"), costs.at(2).at("cpu_s"));
+    EXPECT_LT(method.at("least_error"), 1e-3);
+  }
+  EXPECT_NE(read_file(folder.path() / "costs.svg").find("<svg"), std::string::npos);
+}
+
 TEST(Verify, MisuseIsTwo) {
   const std::string pendulum = std::string(kAnswers) + "/pendulum";
   for (const std::vector<std::string>& rest :
        std::vector<std::vector<std::string>>{{"--methods", "directly"},
                                              {"--set", "stiffness=1"},
                                              {"--set", "tolerance=-1"},
-                                             {"--cap", "0"}}) {
+                                             {"--cap", "0"},
+                                             {"--chart", "costs"},
+                                             {"--engine", "ode"},
+                                             {"--engine", "=true"},
+                                             {"--engine", "a b=true"},
+                                             {"--engine", "none=/nonexistent/engine"},
+                                             {"--methods", "direct", "--engine", "direct=true"}}) {
     std::vector<std::string> words{"verify", pendulum};
     words.insert(words.end(), rest.begin(), rest.end());
     const ProgramResult outcome = run_taut(words);

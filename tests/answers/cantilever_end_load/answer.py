@@ -7,6 +7,27 @@ VARIED = [
     {"connectors.rod.to.point_mass": 0.1},
 ]
 
+LINKS = [5, 10, 20, 40]
+
+
+def tip(scene):
+    """Where the end of the continuous rod with its own weight is, by shooting."""
+    rod, fall = scene["connectors"]["rod"], -gravity(scene)[1]
+    ei, length, load = rod["bending_stiffness"], rod["length"], rod["to"]["point_mass"]
+
+    def shoot(bend):
+        def f(s, z):
+            beyond = load + rod["mass"] * (1 - s / length)
+            return np.array([z[1], beyond * fall / ei * np.cos(z[0]), np.cos(z[0]), np.sin(z[0])])
+        return integrate(f, [0.0, bend, 0.0, 0.0], [length], 0.0, 1e-10)[0]
+
+    return shoot(root(lambda b: shoot(b)[1], -(load + rod["mass"]) * fall / ei * length, 0.0))[2:]
+
+
+def continuum(scene):
+    end, rod = scene["connectors"]["rod"]["particles"] - 1, tip(scene)
+    return [(scene["duration"], f"rod.{end}.{axis}", place, 1e-5) for axis, place in zip("xy", rod)]
+
 
 def answer(scene):
     rod, fall = scene["connectors"]["rod"], -gravity(scene)[1]
@@ -32,12 +53,7 @@ def answer(scene):
     agree(rest(a), 0 * a, 1e-9)
     x, y = l * np.cumsum(np.cos(a)), l * np.cumsum(np.sin(a))
 
-    def shoot(bend):
-        return integrate(lambda s, z: np.array([z[1], load * fall / ei * np.cos(z[0]), np.cos(z[0]), np.sin(z[0])]),
-                         [0.0, bend, 0.0, 0.0], [length], 0.0, 1e-10)[0]
-
-    bend = root(lambda b: shoot(b)[1], -load * fall / ei * length, 0.0)
-    agree([x[-1], y[-1]], shoot(bend)[2:], length / n**2)
+    agree([x[-1], y[-1]], tip(scene), length / n**2)
     t = scene["duration"]
     return [(t, f"rod.{k + 1}.{axis}", place[k], 2e-6 * length)
             for k in range(n) for axis, place in (("x", x), ("y", y))]

@@ -6,6 +6,27 @@ VARIED = [
     {"connectors.chain.to": {"fixed": [0.5, 1.0, 0.4]}, "connectors.chain.particles": 8},
 ]
 
+LINKS = [4, 8, 16, 32, 64]
+
+
+def continuum(scene):
+    """The middle of a chain of even weight: y = a cosh((x - x0)/a) + y0 (Huygens, Leibniz, John Bernoulli)."""
+    chain = scene["connectors"]["chain"]
+    a, b, length = np.array(chain["from"]["fixed"]), np.array(chain["to"]["fixed"]), chain["length"]
+    wide, high = np.hypot(b[0] - a[0], b[2] - a[2]), b[1] - a[1]
+    size = root(lambda c: 2 * c * np.sinh(wide / (2 * c)) - np.sqrt(length**2 - high**2), 0.02 * wide, 1e3 * wide)
+    low = wide / 2 - size * np.arctanh(high / length)  # of the lowest point, from the first end
+
+    def along(x):  # the length from the first end
+        return size * (np.sinh((x - low) / size) + np.sinh(low / size))
+
+    agree(along(wide), length, 1e-9)
+    x = root(lambda x: along(x) - length / 2, 0.0, wide)
+    y = a[1] + size * (np.cosh((x - low) / size) - np.cosh(low / size))
+    place = [a[0] + x / wide * (b[0] - a[0]), y, a[2] + x / wide * (b[2] - a[2])]
+    return [(scene["duration"], f"chain.{(chain['particles'] - 1) // 2}.{axis}", value, 1e-6)
+            for axis, value in zip("xyz", place)]
+
 
 def answer(scene):
     chain, fall = scene["connectors"]["chain"], -gravity(scene)[1]

@@ -23,8 +23,8 @@ def answer(scene):
     agree(v + w * low[0], e * speed, 1e-12)
     if e == 1:
         agree(m * v * v + inertia * w * w, m * speed**2, 1e-9)
-    t = hits + 1e-8
-    rows = [(t, "stick.vy", v, 1e-6 * speed), (t, "stick.wz", w, 1e-6 * abs(w)), (t, "stick.vx", 0.0, 1e-9)]
+    t = hits + 1e-3  # so that programs with a step can have seen the impact
+    rows = [(t, "stick.vy", v - 1e-3 * fall, 1e-6 * speed), (t, "stick.wz", w, 1e-6 * abs(w)), (t, "stick.vx", 0.0, 1e-9)]
     if e > 0:
         t = hits + 0.01
         rows += [(t, "stick.y", stick["position"][1] - drop + v * 0.01 - fall * 0.01**2 / 2, 1e-7), (t, "stick.wz", w, 1e-6 * abs(w))]

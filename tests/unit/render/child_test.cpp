@@ -17,7 +17,7 @@ TEST(Child, GivesOutputErrorsAndStatus) {
 
 TEST(Child, IsKilledWhereItDoesNothing) {
   const render::ChildResult blocked =
-      render::run_child({"sleep", "1000"}, "", std::chrono::milliseconds(200));
+      render::run_child({"sleep", "1000"}, "", {.patience = std::chrono::milliseconds(200)});
   EXPECT_EQ(blocked.status, 128 + 9);
   EXPECT_NE(blocked.errors.find("sleep did nothing for too long"), std::string::npos);
 }
@@ -26,8 +26,18 @@ TEST(Child, MayTakeItsTimeWhereItWorks) {
   // A second of work, with patience for a tenth of it.
   const render::ChildResult busy =
       render::run_child({"sh", "-c", "i=0; while [ $i -lt 1000000 ]; do i=$((i + 1)); done"}, "",
-                        std::chrono::milliseconds(100));
+                        {.patience = std::chrono::milliseconds(100)});
   EXPECT_EQ(busy.status, 0) << busy.errors;
+  EXPECT_GT(busy.cpu_time, 0);
+}
+
+TEST(Child, IsEndedBeyondItsLimits) {
+  EXPECT_EQ(render::run_child({"head", "-c", "3000", "/dev/zero"}, "", {.output = 1000}).status,
+            128 + 25);
+  const render::ChildResult endless =
+      render::run_child({"sh", "-c", "while :; do :; done"}, "", {.cpu_time = 1});
+  EXPECT_EQ(endless.status, 128 + 24);
+  EXPECT_GE(endless.cpu_time, 0.9);
 }
 
 }  // namespace
