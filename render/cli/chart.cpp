@@ -11,7 +11,6 @@
 #include "render/program/command.h"
 #include "render/program/output.h"
 #include "render/program/part.h"
-#include "render/study/accuracy_study.h"
 #include "render/study/model_error.h"
 #include "render/study/scoring.h"
 #include "render/study/study_target.h"

@@ -11,7 +11,7 @@
 #include "render/program/command.h"
 #include "render/program/output.h"
 #include "render/report/report_page.h"
-#include "render/study/accuracy_study.h"
+#include "render/study/scoring.h"
 #include "render/study/stability_study.h"
 
 namespace taut::cli {

@@ -2,8 +2,11 @@
 // writer of each format.
 #pragma once
 
+#include <bit>
+#include <cstring>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -92,6 +95,25 @@ Quat looking(const Vec3& direction);
 /// Into how many parts to divide a frame to see what happens meanwhile: a method of equal steps
 /// shows as many of its own as that; one that chooses its steps has to stop for each.
 int parts_of_frame(const scenes::Scene& scene);
+
+// Numbers as bytes, the lowest first.
+
+static_assert(std::endian::native == std::endian::little, "written as they are in memory");
+
+template <typename... Numbers>
+std::string little_endian(Numbers... numbers) {
+  std::string bytes;
+  const auto add = [&bytes](auto number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  (add(numbers), ...);
+  return bytes;
+}
+
+template <typename Number>
+std::string_view bytes_of(std::span<const Number> numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
+}
 
 // The writers of the formats; csv.h and npz.h have theirs.
 

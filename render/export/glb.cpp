@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "render/export/frame_writer.h"
-#include "render/export/npz.h"
 #include "render/mesh/connector_mesh.h"
 #include "scenes/character/skeleton.h"
 #include "scenes/format/document.h"

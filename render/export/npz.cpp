@@ -13,7 +13,7 @@ using U16 = std::uint16_t;
 using U32 = std::uint32_t;
 using U64 = std::uint64_t;
 
-constexpr U16 kZipVersion = 45;       // with sizes of 64 bits
+constexpr U16 kZipVersion = 45;    // with sizes of 64 bits
 constexpr U16 kFirstDay = 0x0021;  // 1 January 1980
 constexpr U32 kElsewhere = 0xffffffff;
 constexpr U16 kElsewhere16 = 0xffff;
@@ -48,8 +48,8 @@ void Zip::add(const std::string& name, const std::vector<std::string_view>& piec
 void Zip::finish() {
   const U64 list = written_, end = written_ + list_.size();
   put(list_);
-  put(little_endian(U32(0x06064b50), U64(44), kZipVersion, kZipVersion, U32(0), U32(0), files_, files_,
-                    U64(list_.size()), list));
+  put(little_endian(U32(0x06064b50), U64(44), kZipVersion, kZipVersion, U32(0), U32(0), files_,
+                    files_, U64(list_.size()), list));
   put(little_endian(U32(0x07064b50), U32(0), end, U32(1)));
   put(little_endian(U32(0x06054b50), U16(0), U16(0), kElsewhere16, kElsewhere16, kElsewhere,
                     kElsewhere, U16(0)));

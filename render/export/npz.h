@@ -33,25 +33,6 @@ class Zip {
   std::string list_;
 };
 
-// Numbers as bytes, the lowest first.
-
-static_assert(std::endian::native == std::endian::little, "written as they are in memory");
-
-template <typename... Numbers>
-std::string little_endian(Numbers... numbers) {
-  std::string bytes;
-  const auto add = [&bytes](auto number) {
-    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
-  };
-  (add(numbers), ...);
-  return bytes;
-}
-
-template <typename Number>
-std::string_view bytes_of(std::span<const Number> numbers) {
-  return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
-}
-
 /// An archive of arrays of float64, a row for each frame: `times`; for every connector
 /// `connectors/NAME/positions` and `connectors/NAME/velocities` (frames, particles, 3); for every
 /// body `bodies/NAME/positions` (frames, 3), of its own frame, and `bodies/NAME/rotations`

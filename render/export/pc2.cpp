@@ -1,7 +1,6 @@
 #include <cstdint>
 
 #include "render/export/frame_writer.h"
-#include "render/export/npz.h"
 
 namespace taut::exporting {
 namespace {

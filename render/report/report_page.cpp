@@ -14,7 +14,7 @@
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/output.h"
-#include "render/study/accuracy_study.h"
+#include "render/study/scoring.h"
 #include "scenes/files/files.h"
 #include "sim/run/method.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/program/command.h"
-#include "render/study/accuracy_study.h"
+#include "render/study/accuracy_page.h"
 #include "render/study/stability_study.h"
 #include "scenes/scene/scene.h"
 #include "sim/evaluation/run.h"

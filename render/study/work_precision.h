@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "render/program/output.h"
-#include "render/study/accuracy_study.h"
+#include "render/study/accuracy_page.h"
 
 namespace taut::studies {
 

@@ -35,19 +35,19 @@ void check_figure(const Model& model, const HeldStick& right_hand);
 /// The path of a bone over [0, duration] (s), so that what hangs on it can be simulated.
 Path bone_path(const Performance& performance, std::size_t bone, double duration);
 
-// A character that moves as an animation of its file says, and what its hand carries.
+// A character that plays an animation of its file, and the stick in its hand.
 
 /// How an animation is played.
 struct Playback {
   std::size_t animation = 0;  // index into Model::animations
-  double from = 0;            // s: its time when the scene begins
-  double speed = 1;           // its seconds for each of the scene's
+  double from = 0;            // s: the animation's time at the start of the scene
+  double speed = 1;           // seconds of the animation per second of the scene
   Pose place;                 // where the model's origin stands
 };
 
-/// The poses of the animation; before its beginning and after its end its first and last. If the
-/// right hand holds a stick of that diameter (m; 0: none) and has fingers, these are closed round
-/// it. Throws BadAsset when the model lacks a bone that this takes.
+/// The poses of the animation; before its start its first, after its end its last. A right hand
+/// with fingers is closed around a stick of `held_diameter` (m; 0: no stick). Throws BadAsset if
+/// the model lacks a bone that this needs.
 std::shared_ptr<const Performance> play_animation(std::shared_ptr<const Model> model,
                                                   const Playback& playback, double held_diameter);
 

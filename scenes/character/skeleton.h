@@ -87,57 +87,56 @@ std::string_view without_side(std::string_view bone);
 /// The fabric of the bone of that name; null: it is not of cloth that hangs.
 const Fabric* fabric_of(std::string_view bone);
 
-// Arms and legs: two bones that reach a point.
+// Limbs: two bones that reach a point.
 
-// The limits of an arm.
-
-/// How much farther (m) the hand of a performance that make_performance() made is asked to be at
-/// `time` than a body that stands can bring it; 0: within its reach.
+/// How far (m) the hand's path at `time` is beyond the reach of a standing body; 0: within reach.
+/// Only for performances of make_performance().
 double beyond_reach(const Performance& performance, double time);
 
 /// The two bones of a limb at rest: from its root joint to the middle one, and on to its end (m).
 struct Limb {
   Vec3 upper = Vec3::Zero(), lower = Vec3::Zero();
-  Vec3 bends = Vec3::Zero();  // where its end goes when it bends, if it is straight at rest
+  Vec3 bends = Vec3::Zero();  // towards which it bends if it is straight at rest
 
   /// The farthest that the end gets from the root without the middle joint snapping straight.
   double reach() const { return 0.998 * (upper.norm() + lower.norm()); }
 };
 
-/// Turns of the two bones (model's axes at rest to the world) and the place of the middle joint.
+/// Rotations of the two bones (from the model's axes at rest to the world), and the middle joint
+/// (m).
 struct LimbTurns {
   Quat upper, lower;
   Vec3 middle;
 };
 
-/// The law of cosines in the plane through `root`, `target` and the side to which `pole` points;
-/// the limb keeps the sense in which its middle joint bends at rest. A target beyond reach is
-/// approached as far as the limb goes.
+/// Bends a limb from `root` to `target` by the law of cosines, in the plane that contains `pole`.
+/// The middle joint keeps its sense of bending at rest. Towards a target beyond reach the limb is
+/// stretched out.
 LimbTurns bend_limb(const Limb& limb, const Vec3& root, const Vec3& target, const Vec3& pole);
 
 /// The part of a rotation that turns about `axis` (unit), rad in (-pi, pi].
 double twist_about(const Quat& rotation, const Vec3& axis);
 
-// The names of a figure's bones, and models that call them otherwise.
+// The names of a figure's bones, and models with other names.
 
-/// The bones that a figure needs; it moves others, as fingers, where a model has them.
+/// The bones that a figure needs. It also moves others, such as fingers, if the model has them.
 const std::vector<std::string_view>& needed_bones();
 
-/// All names that mean something: the needed ones, fingers, toes, and those of the face.
+/// All names that a figure knows: needed bones, fingers, toes, and bones of the face.
 const std::vector<std::string_view>& known_bones();
 
-/// Pairs of a name that a figure knows and the one that the model has for it.
+/// Pairs of a figure's name for a bone and the model's.
 using BoneNames = std::vector<std::pair<std::string, std::string>>;
 
-/// Those of a character of Mixamo: without the prefix ("mixamorig:", "mixamorig2:"), and Spine2 is
-/// the Chest.
+/// The names of a Mixamo character: the figure's with a prefix ("mixamorig:", "mixamorig2:"), and
+/// Spine2 for the Chest.
 BoneNames mixamo_names(const Model& model);
 
-/// Gives the model's bones the figure's names. Throws BadAsset with all that the model lacks; a
-/// bone that is called so and not meant gets another name.
+/// Gives the model's bones the figure's names. Another bone that has such a name is renamed. Throws
+/// BadAsset, which names all bones that the model lacks.
 void rename_bones(Model& model, const BoneNames& names);
 
-/// Throws BadAsset with all needed bones that the model lacks, and what might be done about it.
+/// Throws BadAsset, which names all needed bones that the model lacks and possible remedies.
 void check_bones(const Model& model);
 
 }  // namespace taut::scenes

@@ -75,19 +75,13 @@ void check_format(const Document& document, const TableFormat& format = scene_fo
 /// The same of one of the document's tables.
 void check_format(const Document& document, const Value& table, const TableFormat& format);
 
-// All that the check of a document's format finds.
-
-/// The fault that check_format() would throw, and all that it would find after it.
+/// All faults of a document's format; check_format() throws the first.
 FirstFaults format_faults(const Document& document);
 
-// Dotted keys of a scene, as in connectors.rope.length.
-
-/// True where a key is one of the scene format, by its first word.
+/// True if the first word of a dotted key, as in connectors.rope.length, is of the scene format.
 bool is_scene_key(std::string_view key);
 
-// The format of scene files, for editors.
-
-/// A JSON Schema (draft 7, which editors know best) of what load_scene accepts, made from the same
+/// A JSON Schema of scene files for editors (draft 7, which most support), made from the
 /// description by which scenes are checked.
 std::string scene_schema();
 

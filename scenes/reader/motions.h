@@ -59,8 +59,6 @@ class Motions {
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
                            Motions& motions);
 
-// Paths of a scene, and numbers over time.
-
 /// The paths of a scene, in the order of the file.
 std::vector<std::shared_ptr<const Path>> read_paths(const Document& document);
 

@@ -100,8 +100,6 @@ struct Winding {
 std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& gravity,
                              const Winding& winding);
 
-// The choreography of a scene.
-
 /// What a scene's choreography asks for, of its world and timeline. Throws BadScene.
 Choreographed read_choreography(const Document& document, const Value& table,
                                 const Motions& motions, const Scene& scene);

@@ -129,7 +129,7 @@ TEST(SourceTree, NoRoomHasACircle) {
     EXPECT_EQ(circle_in(units), "") << "units of " << room << " include each other";
     for (const auto& [unit, others] : units) seen += others.size();
   }
-  EXPECT_GT(seen, 300u) << "the includes are found at all";
+  EXPECT_GT(seen, 150u) << "the includes are found at all";
 }
 
 }  // namespace

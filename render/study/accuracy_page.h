@@ -1,13 +1,11 @@
-// Speed against accuracy, `taut chart`: the runs, and their results as tables, a chart and a page.
+// The results of `taut chart` as tables, a chart and a page.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "render/options/study_options.h"
-#include "render/program/part.h"
 #include "render/study/model_error.h"
-#include "render/study/study_target.h"
 #include "sim/study/speed_accuracy.h"
 
 namespace taut::studies {
@@ -49,35 +47,5 @@ std::string accuracy_section(const AccuracyStudy& study);
 /// One HTML page that needs no other file.
 std::string accuracy_page(const AccuracyStudy& study);
 std::string accuracy_json(const AccuracyStudy& study);
-
-// Shares of a study's budget: for finding errors, and for repeating timings; and the share from
-// which on a run is timed less often.
-inline constexpr double kScoring = 0.6, kTiming = 0.4, kSlow = 0.002;
-
-/// The length (m) of the scene's first connector, by which errors are measured. Throws Misuse where
-/// it has none.
-double scored_length(const scenes::Scene& scene);
-
-/// The least error, as a share of the length, that a study of so many settings scores.
-double least_share(bool quick);
-
-/// The truth of the scene for errors from `share` of the length up. Throws Misuse where nothing is
-/// predictable.
-Target scored_target(const scenes::Scene& scene, double share);
-
-/// Shares of the length and, where the scene has a camera, pixels.
-std::vector<study::Metric> accuracy_metrics(const scenes::Scene& scene);
-
-/// The study that the options ask for, without rows.
-AccuracyStudy accuracy_study(const options::StudyOptions& options, const scenes::Scene& scene);
-
-/// Scores and times every candidate within `budget` (s). Rows that the journal holds are taken from
-/// it; null: there is none.
-void measure(AccuracyStudy& study, const Target& target, const std::vector<study::Metric>& metrics,
-             double budget, bool quick, program::Journal* journal, bool quiet);
-
-/// Reads all rows from the merged journal of parts.
-void merge_rows(AccuracyStudy& study, const std::vector<study::Metric>& metrics, bool quick,
-                program::Journal& journal);
 
 }  // namespace taut::studies
