@@ -515,7 +515,7 @@ def answers_links(work):
 @result("answers-engines", ANSWERS)
 def answers_engines(work):
     """the known answers by other engines, each at its best step"""
-    names = {"direct": "taut `direct`", "multibody": "Simbody", "ode": "ODE", "bullet": "Bullet", "mujoco": "MuJoCo"}
+    names = {"direct": "taut `direct`", "multibody": "Simbody", "bullet": "Bullet", "mujoco": "MuJoCo"}
     order = list(names)
     told = verified(work, f"taut_engines verify --methods {','.join(order)} --converge --cap 0.3 --json -q")
 
