@@ -482,44 +482,6 @@ def answers_links(work):
     return markdown(rows, (1, 2, 3))
 
 
-@result("answers-engines", ANSWERS)
-def answers_engines(work):
-    """the known answers by other engines, each at its best step"""
-    names = {"direct": "taut `direct`", "multibody": "Simbody", "ode": "ODE"}
-    methods = ["direct", "multibody"]
-    known = (work.build / "CMakeCache.txt").read_text()
-    for method, found in (("bullet", r"bullet_FOUND:INTERNAL=1"), ("mujoco", r"MUJOCO_LIBRARY:FILEPATH=/")):
-        if re.search(found, known):
-            names[method] = {"bullet": "Bullet", "mujoco": "MuJoCo"}[method]
-            methods.append(method)
-    told = verified(work, f"taut_engines verify --methods {','.join(methods)} --converge --cap 0.5 --engine "
-                    "'ode=/usr/bin/python3 -B tests/answers/engines/ode_adapter.py' --json -q")
-    order = [*methods, "ode"]
-
-    def is_refused(one):
-        return one["verdict"] == "not run" or one["reason"] is not None and "engines are given" in one["reason"]
-
-    def cell(one):
-        if is_refused(one):
-            return re.sub(r"^cannot express: ", "no: ", one["reason"]) if one["reason"].startswith("cannot") else ""
-        if one["worst"] is None or one["worst"]["share_of_tolerance"] is None:
-            return one["verdict"]
-        if one["verdict"] == "passes":
-            return "passes"
-        least = one["least_error"]
-        return f"{digits(100 * least, 2)}%" if least is not None else one["verdict"]
-
-    rows = [["case", *(names[method] for method in order)]]
-    rows += [[name, *(cell(case[method]) for method in order)] for name, case in told.items()]
-    total = [["engine", "expresses", "passes", "within 0.1%", "within 1%"]]
-    for method in order:
-        ran = [case[method] for case in told.values() if not is_refused(case[method])]
-        near = [sum(one["least_error"] is not None and one["least_error"] <= error for one in ran) for error in (1e-3, 1e-2)]
-        total.append([names[method], len(ran), sum(one["verdict"] == "passes" for one in ran), *near])
-    return (markdown(total, (1, 2, 3, 4)) + "\nBy case: whether it passes at its best step, or the least error of a place in "
-            "shares of the length. Empty, or no: the engine's model cannot express the scene.\n\n" + markdown(rows, ()))
-
-
 # The results in render/README.md and scenes/README.md.
 
 
