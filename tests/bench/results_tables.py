@@ -166,6 +166,27 @@ table shows how the other methods fail.
 # The results in sim/study/README.md.
 
 
+@result("conclusions", STUDY, measured=False)
+def conclusions(work):
+    """the figures of the page's first list, from its tables"""
+    errors = work.table(RESULTS["promise"])[-1]
+    hard = work.table(RESULTS["hard"])
+    column = hard[0].index("direct")
+    accurate = sum(row[column].startswith("accurate") for row in hard[1:])
+    long_step = next(row[column] for row in hard if row[0] == "A very long step")
+    claims = [row[2] for row in work.table(RESULTS["claims"])[1:]]
+    saving = re.search(r"saving +([\d.]+) times less by counted work", work.place(RESULTS["plan"]))[1]
+    return f"""\
+- [Tolerances](#what-a-tolerance-delivers): the error of `direct` stays within its tolerance in {errors[2]} of the drawn
+  runs, and is usually far below it. A run's own estimate is right within a factor of 3 in {errors[7]}.
+- [Failures](#where-methods-fail): `direct` stays within 1% in {accurate} of {len(hard) - 1} hard cases. It stops if two ends are pulled
+  apart farther than the chain is long. With a step as long as a frame it is {long_step}.
+- [The paper](#what-of-the-paper-reproduces): of its {len(claims)} claims {claims.count('reproduced')} reproduce, \
+{claims.count('under conditions')} reproduce under conditions, {claims.count('not reproduced')} do not.
+- [Planning](#the-cheapest-model-that-is-good-enough): `taut plan` finds settings that keep a stick on a cord within 1
+  mm with {saving} times less work than the scene as written."""
+
+
 @result("swing", STUDY)
 def swing(work):
     """speed against accuracy of the rope swing, and its two pictures"""
