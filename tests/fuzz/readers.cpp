@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -221,19 +222,18 @@ Simulation saved_scene() {
   return {scene.world, make_method("impulse", {{"step", 0.005}}), scene.timeline};
 }
 
-/// Of the bytes but their sum, which is made anew: what is taken for a state can be stepped.
+/// Of the bytes but their sum, which is made anew.
 void read_state(std::string_view bytes) {
   std::uint64_t sum = 0;
   bytes = bytes.substr(0, bytes.size() - std::min(bytes.size(), sizeof sum));
   sum = Hash().bytes(bytes.data(), bytes.size()).value();
   std::string whole(bytes);
   whole.append(reinterpret_cast<const char*>(&sum), sizeof sum);
-  Simulation simulation = saved_scene();
+  static Simulation simulation = saved_scene();
   try {
     simulation.load(whole);
-    simulation.advance_to(simulation.world().time + 0.01);
+    require(std::isfinite(simulation.world().time));
   } catch (const BadState&) {
-  } catch (const Diverged&) {
   }
 }
 
