@@ -121,8 +121,9 @@ Playback read_playback(const Document& document, const Value& table, const Model
   return playback;
 }
 
-/// How the head turns, as make_performance() wants it.
-Path read_head(const Document& document, const Value& list) {
+/// Keys in order of their times; `place_of(entry)` is the position of each.
+template <typename PlaceOf>
+Path keyed_path(const Document& document, const Value& list, const PlaceOf& place_of) {
   std::vector<PathKey> keys;
   for (const Value& entry : list.children) {
     const Value& time = *entry.find("t");
@@ -130,11 +131,17 @@ Path read_head(const Document& document, const Value& list) {
       document.mismatch(
           time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
     }
-    const Vec3 angles(number_or(entry, "yaw", 0), number_or(entry, "lean", 0),
-                      number_or(entry, "tilt", 0));
-    keys.push_back({time.number, angles, Quat::Identity(), flag_or(entry, "ease", false)});
+    keys.push_back({time.number, place_of(entry), Quat::Identity(), flag_or(entry, "ease", false)});
   }
   return Path(std::move(keys));
+}
+
+/// How the head turns, as make_performance() wants it.
+Path read_head(const Document& document, const Value& list) {
+  return keyed_path(document, list, [](const Value& entry) {
+    return Vec3(number_or(entry, "yaw", 0), number_or(entry, "lean", 0),
+                number_or(entry, "tilt", 0));
+  });
 }
 
 }  // namespace
@@ -443,17 +450,8 @@ std::vector<std::shared_ptr<const Path>> read_paths(const Document& document) {
 
 std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
                                              std::string_view value) {
-  std::vector<PathKey> keys;
-  for (const Value& entry : list.children) {
-    const Value& time = *entry.find("t");
-    if (!keys.empty() && !(time.number > keys.back().time)) {
-      document.mismatch(
-          time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
-    }
-    const Vec3 number(entry.find(value)->number, 0, 0);
-    keys.push_back({time.number, number, Quat::Identity(), flag_or(entry, "ease", false)});
-  }
-  return std::make_shared<const Path>(std::move(keys));
+  return std::make_shared<const Path>(keyed_path(
+      document, list, [&](const Value& entry) { return Vec3(entry.find(value)->number, 0, 0); }));
 }
 
 }  // namespace taut::scenes
