@@ -194,10 +194,12 @@ const TableFormat& pulley_format() {
                     "Moment of inertia of a sheave about its axle over its radius squared: for a "
                     "disc, half of its mass; default: an eye.",
                     "kg"),
-       not_negative(
-           "friction",
-           "Coefficient of friction of the rope on an eye: tension ratio exp(friction angle).",
-           "1"),
+       {.name = "friction",
+        .meaning = "Coefficient of friction of the rope on an eye: tension ratio exp(friction "
+                   "angle).",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = 8},
        {.name = "bearing",
         .meaning = "Friction coefficient of a sheave's axle times axle radius over sheave radius: "
                    "difference of the tensions over their sum, at half a turn.",
@@ -243,8 +245,7 @@ const TableFormat& drag_format() {
 std::vector<KeyFormat> cord_keys() {
   return {
       {.name = "restitution",
-       .meaning = "Coefficient of restitution when a span, or a string by `direct`, becomes taut; "
-                  "default: 0.",
+       .meaning = "Coefficient of restitution when a span or a string becomes taut; default: 0.",
        .minimum = 0,
        .maximum = 1},
       {.name = "look",

@@ -59,6 +59,8 @@ const Value& key_of_connector(const Value& connector, Feature feature) {
       return end_member(connector, {"body"});
     case Feature::strings:
       return member(connector, {"cords", "links"});
+    case Feature::string_rebound:
+      return member(connector, {"restitution"});
     case Feature::links_touch:
       return member(connector, {"contact"});
     case Feature::span:

@@ -25,6 +25,7 @@ constexpr std::array<std::string_view, kFeatureCount> kNames{
     "materials that hold free bodies",
     "applied forces",
     "strings",
+    "restitution of strings",
     "obstacles",
     "moving obstacles",
     "capsule links",
@@ -85,6 +86,7 @@ void connector_uses(const World& world, std::size_t index, auto&& visit) {
   }
   if (connector.applied_force) own |= Feature::applied_force;
   if (connector.pulls) own |= Feature::strings;
+  if (connector.pulls && connector.restitution > 0) own |= Feature::string_rebound;
   if (connector.links_touch && !world.obstacles.empty()) own |= Feature::links_touch;
   if (connector.model == ConnectorModel::span) own |= Feature::span;
   if (connector.winch && (connector.winch->paths[0] || connector.winch->paths[1])) {

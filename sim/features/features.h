@@ -31,6 +31,7 @@ enum class Feature : std::uint8_t {
   material_on_body,  // a connector with sections holds a free body
   applied_force,     // Connector::applied_force
   strings,           // links that only pull (Connector::pulls)
+  string_rebound,    // strings that rebound when they go taut (Connector::restitution)
   // Contact (sim/contact)
   obstacle,
   moving_obstacle,
@@ -57,7 +58,7 @@ enum class Feature : std::uint8_t {
   pin,
   cut,
 };
-inline constexpr std::size_t kFeatureCount = 35;
+inline constexpr std::size_t kFeatureCount = 36;
 
 /// A set of features.
 class Features {

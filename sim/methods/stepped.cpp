@@ -67,7 +67,8 @@ void SteppedMethod::go_on(const World& world, double time, double until) {
 }
 
 Abilities abilities_on_mechanisms() {
-  return {Features::all() - Feature::joint_in_flow - kPulleyFeatures - Features{Feature::span},
+  return {Features::all() - Feature::joint_in_flow - kPulleyFeatures -
+              Features{Feature::span, Feature::string_rebound},
           {{Feature::winch, kUnlikeReels, {}, Apart::Within::connector},
            {Feature::clamp_on_body, Feature::twist, {}, Apart::Within::connector},
            {kMaterialFeatures - Features{Feature::stretch, Feature::air, Feature::material_on_body},

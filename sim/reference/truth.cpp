@@ -253,7 +253,7 @@ const Abilities& own_abilities() {
   static const Abilities own{
       Features::all() - Feature::joint_in_flow - kConnectorContact -
           Features{Feature::bead_pairs, Feature::span, Feature::clamp_on_body,
-                   Feature::applied_force},
+                   Feature::applied_force, Feature::string_rebound},
       {{kMaterialFeatures | kJointFeatures, kContactFeatures | Feature::strings},
        {kReelFeatures, kContactFeatures | Feature::strings},
        {kReelFeatures,

@@ -63,6 +63,10 @@ std::string pulley_flaw(const World& world, const Pulley& pulley) {
   const double density = ropes[0]->winch->density, other = ropes[1]->winch->density;
   if (std::abs(density - other) > kRounding * density) return "is between two densities";
   if (pulley.friction < 0 || pulley.bearing < 0) return "has a negative friction";
+  // Half a turn with this friction already multiplies a tension by 8e10; beyond, the smaller of the
+  // two tensions is lost to rounding.
+  constexpr double kMostFriction = 8;
+  if (pulley.friction > kMostFriction) return "has a friction above 8";
   if (pulley.bearing >= 1) return "has a bearing that lets nothing turn";
   if (pulley.has_friction() && density > 0 && before->to.kind == Attachment::Kind::body &&
       !world.bodies[before->to.body].driven()) {

@@ -138,7 +138,8 @@ class Pair : Pieces {
     if (has(Feature::material_on_body) && !bends && !has(Feature::stretch)) {
       line("axial_stiffness = {}", weight * dice_.scale(10, 1e5));
     }
-    if (has(Feature::strings)) line("links = \"pull\"");
+    if (has(Feature::strings) || has(Feature::string_rebound)) line("links = \"pull\"");
+    if (has(Feature::string_rebound)) line("restitution = {}", dice_.between(0.1, 0.9));
     if (has(Feature::links_touch)) line("contact = \"links\"");
     if (has(Feature::self_contact)) {
       line("touches_itself = true");

@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
@@ -121,7 +123,18 @@ TEST(GoldenSuite, MayBeAnywhere) {
                "size = [64, 36]\n[frames.early]\nscene = \"../rope.toml\"\ntime = 0.1\n");
   const ProgramResult accepted = run_taut({"golden", "accept", folder.path() / "goldens"}, "/");
   EXPECT_EQ(accepted.output, "early: new\n") << accepted.messages;
-  EXPECT_EQ(run_taut({"golden", "check", "goldens"}, folder.path()).code, 0);
+  // The page's example of a CI job runs there.
+  const std::string page = read_file(fs::path(TAUT_SOURCE_DIR) / "render/README.md");
+  const std::string step = "- run: taut ";
+  const std::size_t at = page.find(step);
+  ASSERT_NE(at, std::string::npos);
+  std::istringstream words(page.substr(at + step.size(), page.find('\n', at) - at - step.size()));
+  const std::vector<std::string> job{std::istream_iterator<std::string>(words), {}};
+  EXPECT_EQ(run_taut(job, folder.path()).code, 0);
+  folder.write("rope.toml",
+               scene + "[obstacles.wall]\nshape = { box = { size = [0.1, 0.1, 0.1] } }\n");
+  EXPECT_EQ(run_taut(job, folder.path()).code, 1);
+  EXPECT_TRUE(fs::exists(folder.path() / "differences/early/difference.png"));
   folder.write("goldens/golden.toml",
                "size = [64, 36]\n[frames.early]\nscene = \"../../etc/passwd\"\ntime = 0.1\n");
   EXPECT_EQ(run_taut({"golden", "check", "goldens"}, folder.path()).code, 3);

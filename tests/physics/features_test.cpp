@@ -169,6 +169,10 @@ class Maker {
       case Feature::strings:
         rope().pulls = true;
         return;
+      case Feature::string_rebound:
+        rope().pulls = true;
+        rope().restitution = 0.5;
+        return;
       case Feature::obstacle:
         floor();
         return;
