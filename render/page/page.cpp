@@ -1,13 +1,13 @@
 // The simulations of the page, as functions that JavaScript calls. Each instance of the module has
 // one simulation: a world whose hand moves while it runs, by one method.
 #include <cstddef>
-#include <cstring>
 #include <exception>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <typeinfo>
+#include <utility>
 #include <vector>
 
 #include "sim/measure/measure.h"
@@ -92,12 +92,16 @@ TAUT_EXPORT(start) void start(int which, int method, double setting) {
                      make_method(kMethods[method], {{kSettings[method], setting}}));
 }
 
-/// Advances to `time` (s), while the hand moves to (x, y) (m) and reaches its velocity (m/s) there.
-TAUT_EXPORT(advance) void advance(double time, double x, double y, double vx, double vy) {
-  const double now = simulation->state().time;
-  const FrameMotion at = hand->at(now);
-  *hand = path_of(now, at.position, at.velocity, time, Vec3(x, y, 0), Vec3(vx, vy, 0),
-                  !std::as_const(*simulation).world().bodies.empty());
+/// The hand's motion from `time` (s) to `until`: from (x, y) (m) and (vx, vy) (m/s) to (x1, y1) and
+/// (vx1, vy1). Call it before each advance to `until`, and before load().
+TAUT_EXPORT(move)
+void move(double time, double x, double y, double vx, double vy, double until, double x1, double y1,
+          double vx1, double vy1) {
+  const bool slants = !std::as_const(*simulation).world().bodies.empty();
+  *hand = path_of(time, Vec3(x, y, 0), Vec3(vx, vy, 0), until, Vec3(x1, y1, 0), Vec3(vx1, vy1, 0),
+                  slants);
+}
+TAUT_EXPORT(advance) void advance(double time) {
   simulation->advance_to(time);
 }
 
