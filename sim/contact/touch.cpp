@@ -7,8 +7,9 @@
 namespace taut::contact {
 namespace {
 
-constexpr double kParallel = 1e-6;  // of the sine of the angle between two normals
-constexpr double kSlack = 1e-12;    // of the speeds: by how much a touch may be broken by rounding
+constexpr double kParallelNormals = 1e-6;  // of the sine of the angle between two normals
+constexpr double kRoundingSlack =
+    1e-12;  // of the speeds: by how much a touch may be broken by rounding
 
 struct Found {
   Response response;
@@ -61,7 +62,7 @@ std::optional<Response> close_one(const Vec3& free, Touch& touch, double creep) 
 std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b, double creep) {
   const Vec3 line = a.normal.cross(b.normal);
   const double sine = line.norm();
-  if (!(sine > kParallel)) return std::nullopt;
+  if (!(sine > kParallelNormals)) return std::nullopt;
   const Vec3 along = line / sine;
   const Vec3 frictionless = free - a.friction_before - b.friction_before;
   Eigen::Matrix<double, 2, 3> normals;
@@ -108,7 +109,7 @@ std::optional<Response> graze(const Vec3& free, Touch& touch, Touch& grazed, dou
   const Vec3& n = touch.normal;
   const Vec3 line = n.cross(grazed.normal);
   const double sine = line.norm();
-  if (!(sine > kParallel)) return std::nullopt;
+  if (!(sine > kParallelNormals)) return std::nullopt;
   const Vec3 along = line / sine, across = along.cross(n);
   const Vec3 bare = without(free, touch);
   touch.push = touch.least - n.dot(bare);
@@ -137,7 +138,7 @@ std::optional<Response> graze(const Vec3& free, Touch& touch, Touch& grazed, dou
   touch.friction = aside * across - way * friction * along;
   found.velocity -= way * friction * along;
   Vec3 gives = along;
-  if (friction > kParallel * touch.push) {
+  if (friction > kParallelNormals * touch.push) {
     gives += way / friction * (touch.slide * touch.slide * touch.push * n - aside * across);
   }
   found.derivative = along * gives.transpose();
@@ -154,7 +155,7 @@ std::optional<Response> close_three(const Vec3& free, std::span<Touch> touches) 
     wanted[i] = touch.least;
     bare = without(bare, touch);
   }
-  if (!(std::abs(normals.determinant()) > kParallel)) return std::nullopt;
+  if (!(std::abs(normals.determinant()) > kParallelNormals)) return std::nullopt;
   const Vec3 velocity = normals.inverse() * wanted;
   const Vec3 push = normals.transpose().inverse() * (velocity - bare);
   if (!(push.minCoeff() > 0)) return std::nullopt;
@@ -229,7 +230,7 @@ Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
   if (touches.size() == 1) {
     Touch& touch = touches[0];
     const Vec3 away = without(free, touch);
-    if (touch.least - touch.normal.dot(away) > kSlack * (1 + free.norm())) {
+    if (touch.least - touch.normal.dot(away) > kRoundingSlack * (1 + free.norm())) {
       if (const auto closes = close_one(free, touch, creep)) return *closes;
     }
     open(touch);
@@ -248,7 +249,7 @@ Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
       least = wrong;
       best = *found;
     }
-    return wrong <= kSlack * (1 + free.norm());
+    return wrong <= kRoundingSlack * (1 + free.norm());
   };
   const auto search = [&] {
     for (const unsigned which : kOrder) {

@@ -140,7 +140,6 @@ class Springs : public SteppedMethod {
     if (bodies_.any()) bodies_.stop(mechanism, time + dt, dt, state);
   }
 
-  double given_;                    // N/m; zero: its own
   double stiffness_ = 0, damping_;  // N/m, 1
   double damper_ = 0;               // N s/m
   Integrator integrator_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <concepts>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -25,8 +26,9 @@ class Hash {
     return bytes(&value, sizeof value);
   }
   /// All bits of a number at once, in an eighth of the time; not the hash that its bytes have.
-  Hash& word(std::uint64_t value) {
-    value_ = (value_ ^ value) * kPrime;
+  template <std::integral T>
+  Hash& word(T value) {
+    value_ = (value_ ^ static_cast<std::uint64_t>(value)) * kPrime;
     value_ ^= value_ >> 32;  // high bits of a word reach the low bits of the hash
     return *this;
   }

@@ -35,7 +35,9 @@ struct Air {
   Vec3 wind_at(double time) const { return gusts ? Vec3(wind + gusts->at(time).position) : wind; }
 };
 
-/// A value: copying a world copies its state (paths are shared, they never change).
+/// A value: copying a world copies its state. Paths are shared. While a simulation runs, one may be
+/// replaced in place (`*path = Path(...)`) by another that is the same until the world's time and
+/// twice continuously differentiable there: so a hand can be moved live.
 struct World {
   double time = 0;                   // s
   Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
