@@ -113,8 +113,10 @@ double memory_of(const std::filesystem::path& folder, std::vector<std::string> c
   return status == 0 ? 1024.0 * double(usage.ru_maxrss) : -1;
 }
 
+using LongNeeds = Needs;
+
 // Each on a rope of its own, at a time of its own.
-TEST_F(Needs, PinsAndCutsTakeWhatCheckSays) {
+TEST_F(LongNeeds, PinsAndCutsTakeWhatCheckSays) {
   constexpr int kRopes = 1500;
   for (const bool pins : {true, false}) {
     std::string scene = "duration = 0.5\nfps = 10\n";

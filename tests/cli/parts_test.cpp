@@ -220,9 +220,11 @@ TEST_F(RenderParts, SayWhatTheyDidAsTheSchemaHasIt) {
   EXPECT_EQ(nlohmann::json::parse(part.output).at("pieces"), 2);
 }
 
+using LongRenderParts = RenderParts;
+
 /// `make` with the installed rules, killed with all its parts in the middle, and again. A part that
 /// is to be killed does not end by itself, so that it makes no difference how fast the machine is.
-TEST_F(RenderParts, OfMakeGoOnAfterAKill) {
+TEST_F(LongRenderParts, OfMakeGoOnAfterAKill) {
   if (run_taut({"--version"}).code != 0 || Child({"make", "--version"}, "/").wait().code != 0) {
     GTEST_SKIP() << "make is not installed";
   }

@@ -165,7 +165,7 @@ held = "upper corners"
 }
 
 // Spans of a rope have numbers, too. Where it is light enough, only their lengths count.
-TEST(PlannedScenes, AlsoRopesOverPulleysWhichMayBeMassless) {
+TEST(LongPlannedScenes, AlsoRopesOverPulleysWhichMayBeMassless) {
   const auto scene = [](double mass) {
     return fmt::format(R"(duration = 0.5
 [bodies.load]

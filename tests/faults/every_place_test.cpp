@@ -242,7 +242,7 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
 };
 
 TEST_P(FaultPlaces, SomeOfThem) {
-  disturb(GetParam().apart);
+  disturb(2 * GetParam().apart);
   expect_accepted(false);
 }
 
@@ -254,7 +254,7 @@ TEST_P(LongFaultPlaces, AllOfThem) {
 }
 
 TEST_P(FaultPlaces, KilledAtSomeMoments) {
-  kill_at_moments(3);
+  kill_at_moments(2);
 }
 
 // Six commands: more than a thousand kills.

@@ -82,7 +82,7 @@ TEST(BungeeFloor, TheBallBouncesAsItsEnergySays) {
 }
 
 // The drum slips in the whole of its turn and a half.
-TEST(CableDrum, FrictionMultipliesTheWinchsPull) {
+TEST(LongCableDrum, FrictionMultipliesTheWinchsPull) {
   scenes::Scene drum = scene("cable_drum");
   Simulation simulation = scenes::start(drum);
   constexpr double kFriction = 0.3, kRadius = 0.106, kTurn = 3 * pi, kStiffness = 0.02;
@@ -117,7 +117,7 @@ TEST(NetOnBall, TheFloorBearsBoth) {
 }
 
 // The belt slips on the wheel that stands, which it leaves with the larger tension.
-TEST(Belt, EulersFactorBetweenItsSpans) {
+TEST(LongBelt, EulersFactorBetweenItsSpans) {
   const scenes::Scene belt = scene("belt");
   Simulation simulation = scenes::start(belt);
   double upper = 0, lower = 0;  // N

@@ -38,7 +38,7 @@ TEST(LongChoreographyScene, TheTipPassesItsPointsAndTheHandKeepsToItsLimits) {
 }
 
 /// The tip goes round above the hand five times, and all hangs still after it.
-TEST(ChoreographyScene, TheSpinStandsUprightAndComesToRest) {
+TEST(LongChoreographyScene, TheSpinStandsUprightAndComesToRest) {
   const scenes::Scene scene = scenes::load_scene(kSpin, false);
   Simulation simulation(scene.world, make_method("direct", {{"tolerance", 1e-4}}));
   double turned = 0, before = 0;

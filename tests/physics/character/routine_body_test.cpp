@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 
-class RoutineBody : public testing::Test {
+class LongRoutineBody : public testing::Test {
  protected:
   /// Calls use(instance, bones) for every frame of the clip.
   template <typename Use>
@@ -40,8 +40,6 @@ class RoutineBody : public testing::Test {
 };
 
 /// Until it is thrown over the shoulder, where it is to touch him.
-using LongRoutineBody = RoutineBody;
-
 TEST_F(LongRoutineBody, TheFreeStickMissesHimAndTheHeldStick) {
   const double thrown = routine_.caption("Four times slower: the hand").from;
   const auto fitted = scenes::fit_capsules(model_);
@@ -62,7 +60,7 @@ TEST_F(LongRoutineBody, TheFreeStickMissesHimAndTheHeldStick) {
   EXPECT_GT(sticks, 0.005);
 }
 
-TEST_F(RoutineBody, TheHandStaysOnItsPath) {
+TEST_F(LongRoutineBody, TheHandStaysOnItsPath) {
   const scenes::Skeleton skeleton(model_);
   const std::size_t hand = skeleton.find("RightHand");
   const scenes::Grip grip =
@@ -75,7 +73,7 @@ TEST_F(RoutineBody, TheHandStaysOnItsPath) {
   });
 }
 
-TEST_F(RoutineBody, WristAndElbowStayInTheirRange) {
+TEST_F(LongRoutineBody, WristAndElbowStayInTheirRange) {
   std::vector<double> bends;
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
     const Vec3 shoulder = joint(bones, "RightArm"), elbow = joint(bones, "RightForeArm");
@@ -95,7 +93,7 @@ TEST_F(RoutineBody, WristAndElbowStayInTheirRange) {
   EXPECT_LT(bends.back(), 60 * kDegree);
 }
 
-TEST_F(RoutineBody, MovesWithoutJumps) {
+TEST_F(LongRoutineBody, MovesWithoutJumps) {
   std::vector<Pose> before;
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
     if (!before.empty()) {
@@ -111,7 +109,7 @@ TEST_F(RoutineBody, MovesWithoutJumps) {
 
 /// A foot stands flat where it stands and never slides; it goes through the air where it steps, its
 /// skin above the floor, and the other stands meanwhile and carries.
-TEST_F(RoutineBody, BothFeetStepAndNeitherSlides) {
+TEST_F(LongRoutineBody, BothFeetStepAndNeitherSlides) {
   const scenes::Skeleton skeleton(model_);
   const scenes::Placement rest = skeleton.place(skeleton.upright());
   constexpr std::array<const char*, 2> names = {"LeftFoot", "RightFoot"};
@@ -163,7 +161,7 @@ TEST_F(RoutineBody, BothFeetStepAndNeitherSlides) {
 }
 
 /// The upper arm as the chest sees it: human shoulders reach no farther.
-TEST_F(RoutineBody, TheShouldersStayInTheirRange) {
+TEST_F(LongRoutineBody, TheShouldersStayInTheirRange) {
   const auto chest = static_cast<std::size_t>(model_.bone("Chest"));
   const Quat rest =
       scenes::Skeleton(model_)
@@ -184,7 +182,7 @@ TEST_F(RoutineBody, TheShouldersStayInTheirRange) {
 
 /// Gaze: eyes rest on the opponent, on the free stick, or between them; they come from the floor
 /// before him, and go from the stick to whoever sees the last picture, and stay there as he bows.
-TEST_F(RoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
+TEST_F(LongRoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
   const auto eye = static_cast<std::size_t>(model_.bone("RightEye"));
   const Quat rest =
       scenes::Skeleton(model_)
@@ -231,7 +229,7 @@ std::array<double, 2> span_of(const scenes::Model& model, const char* name, cons
 
 /// Whoever looks down, or strains, has his eyes open all the same: between the lids a third of the
 /// iris' height is seen or more, but for blinks, which are short and seldom.
-TEST_F(RoutineBody, TheEyesAreOpenButForBlinks) {
+TEST_F(LongRoutineBody, TheEyesAreOpenButForBlinks) {
   const scenes::Skeleton skeleton(model_);
   const std::size_t head = skeleton.find("Head"), eye = skeleton.find("LeftEye");
   const std::size_t lid = skeleton.find("LeftLid");

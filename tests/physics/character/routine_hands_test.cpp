@@ -30,7 +30,7 @@ double gap(const std::vector<Vec3>& skin, const scenes::Capsule& c) {
   return least;
 }
 
-class RoutineHands : public testing::Test {
+class LongRoutineHands : public testing::Test {
  protected:
   /// Calls use(time, bones) for every frame, or every so many.
   template <typename Use>
@@ -95,7 +95,7 @@ bool within(double x, const Range& range) {
 
 /// The frames in which a hand does not hold the held stick, moved by `off` (m) in the hand's axes
 /// at rest.
-class Holding : public RoutineHands {
+class LongHolding : public LongRoutineHands {
  protected:
   std::string failures(int stride, const Vec3& off = Vec3::Zero()) const {
     const Body& held = scene_.world.bodies[0];
@@ -151,18 +151,18 @@ class Holding : public RoutineHands {
   }
 };
 
-TEST_F(Holding, TheStickLiesInThePalmAndInEveryFinger) {
+TEST_F(LongHolding, TheStickLiesInThePalmAndInEveryFinger) {
   EXPECT_EQ(failures(3), "");
 }
 
-TEST_F(Holding, AStickSomeMillimetresOffIsSeen) {
+TEST_F(LongHolding, AStickSomeMillimetresOffIsSeen) {
   for (const double off : {-0.015, -0.004, 0.004, 0.015}) {
     EXPECT_NE(failures(400, Vec3(off, 0, 0)), "") << off;
     EXPECT_NE(failures(400, Vec3(0, 0, off)), "") << off;
   }
 }
 
-TEST_F(RoutineHands, ThumbsLieOverTheFingersAndEnterNone) {
+TEST_F(LongRoutineHands, ThumbsLieOverTheFingersAndEnterNone) {
   each_frame(
       [&](double time, const std::vector<Pose>& bones) {
         for (const std::string side : {"Right", "Left"}) {
@@ -181,7 +181,7 @@ TEST_F(RoutineHands, ThumbsLieOverTheFingersAndEnterNone) {
       6);
 }
 
-TEST_F(RoutineHands, WristsBendLessThan45Degrees) {
+TEST_F(LongRoutineHands, WristsBendLessThan45Degrees) {
   each_frame([&](double time, const std::vector<Pose>& bones) {
     for (const std::string side : {"Right", "Left"}) {
       const Vec3 elbow = joint(bones, side + "ForeArm"), wrist = joint(bones, side + "Hand");
@@ -193,8 +193,6 @@ TEST_F(RoutineHands, WristsBendLessThan45Degrees) {
 
 /// Hands against the trunk, the head and the legs, with what they wear. The jacket is flatter than
 /// the capsule that holds it: of what is inside of that the jacket's surface decides.
-using LongRoutineHands = RoutineHands;
-
 TEST_F(LongRoutineHands, EnterNothingThatHeWears) {
   const auto fitted = scenes::fit_capsules(model_);
   const scenes::Mesh& jacket = *std::ranges::find(model_.meshes, "Jacket", &scenes::Mesh::name);

@@ -35,7 +35,7 @@ double rise(const std::string& particles) {
 
 // The rope lies as a polygon, whose corners are on the circle: it is longer than its chords by
 // (l/R)^2/24 of them.
-TEST(Windlass, LiftsItsLoadByWhatTheDrumWinds) {
+TEST(LongWindlass, LiftsItsLoadByWhatTheDrumWinds) {
   for (const auto& [particles, links] : {std::pair("32", 31.0), std::pair("63", 62.0)}) {
     const double link = 1.45 / links, chord = link / kRadius;
     EXPECT_NEAR(rise(particles), kRadius * kAngle * (1 - chord * chord / 24), 1e-3) << particles;

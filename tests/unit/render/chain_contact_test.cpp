@@ -44,7 +44,7 @@ TEST(ChainContact, ASlackChainPulledBackGoesRoundTheRim) {
 
 /// Over the routine no joint of the chain is inside the ferrules, and drawing it so hardly
 /// stretches it.
-TEST(ChainContact, KeepsTheRoutinesChainOutOfTheFerrules) {
+TEST(LongChainContact, KeepsTheRoutinesChainOutOfTheFerrules) {
   const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", false);
   Simulation simulation = scenes::start(scene);
   const Connector& chain = scene.world.connectors[0];

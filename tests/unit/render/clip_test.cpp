@@ -218,7 +218,7 @@ float farthest_move(const scenes::Scene& scene, int& moving) {
   return most;
 }
 
-TEST(Clip, CamerasMoveLessThanAPixelWhileTheShutterIsOpen) {
+TEST(LongClip, CamerasMoveLessThanAPixelWhileTheShutterIsOpen) {
   // Frames show the camera at one time, so its moves must be too slow to blur.
   int moving = 0;
   for (const char* name : {"nunchaku", "nunchaku_edit", "nunchaku_paper"}) {

@@ -104,7 +104,7 @@ bool pierces(const Vec3f& p, const Vec3f& q, const std::array<Vec3f, 3>& t) {
   return true;
 }
 
-class CharacterHangingRoutine : public testing::Test {
+class LongCharacterHangingRoutine : public testing::Test {
  protected:
   const scenes::Mesh& mesh(std::string_view name) const {
     return *std::ranges::find(model_.meshes, name, &scenes::Mesh::name);
@@ -114,7 +114,7 @@ class CharacterHangingRoutine : public testing::Test {
   const scenes::Model& model_ = *scene_.stage->characters[0];
 };
 
-TEST_F(CharacterHangingRoutine, NoLegComesThroughTheSkirt) {
+TEST_F(LongCharacterHangingRoutine, NoLegComesThroughTheSkirt) {
   const scenes::Mesh &jacket = mesh("Jacket"), &trousers = mesh("Trousers");
   const auto is_outer_skirt = [&](std::uint32_t vertex) {
     const scenes::Vertex& v = jacket.vertices[vertex];
@@ -169,7 +169,7 @@ bool meets(const Eigen::Vector3f& from, const Eigen::Vector3f& direction, const 
   return s.x() >= 0 && s.y() >= 0 && s.x() + s.y() <= 1 && s.z() > 0 && s.z() < 0.05f;
 }
 
-TEST_F(CharacterHangingRoutine, TailsStayBeforeTheSkirt) {
+TEST_F(LongCharacterHangingRoutine, TailsStayBeforeTheSkirt) {
   const scenes::Mesh &belt = mesh("Belt"), &jacket = mesh("Jacket");
   const auto hips = std::size_t(model_.bone("Hips"));
   int hidden = 0, all = 0;
