@@ -1,7 +1,7 @@
 import numpy as np
 from answers import Rest, agree, bends_energy, forces_of_energy, gravity, in_space, tensions_at_rest
 
-VARIED = [{"connectors.rod.bending_stiffness": 0.01}, {"connectors.rod.particles": 26}]
+VARIED = [{"connectors.rod.bending_stiffness": 0.015}, {"connectors.rod.particles": 26}]
 LINKS = [20, 40, 80]
 
 
