@@ -39,6 +39,6 @@ def answer(scene):
     x, rows = np.array(rope["start"]["points"]), []
     if high < tension:
         rows += [(t, f"rope.{k}.{axis}", x[k][j], 1e-8) for k in range(0, n + 1, 4) for j, axis in enumerate("xy")]
-        return rows + [(t, "post.contact.y", -whole, 5e-5 * whole), (t, "post.contact.x", 0.0, 5e-5 * whole)]
+        return rows + [(t, "post.contact.y", -whole, 1e-4 * whole), (t, "post.contact.x", 0.0, 5e-5 * whole)]
     way = (high - tension) / (high + ratio * low) * fall * t * t / 2
     return [(t, f"rope.{n}.y", x[n][1] - way, 0.1 * way), (t, "rope.0.y", x[0][1] + way, 0.1 * way)]

@@ -2,7 +2,7 @@ import numpy as np
 from answers import Rest, agree, bends_energy, elliptic_k, forces_of_energy, gravity, in_space, root, tensions_at_rest
 
 VARIED = [{"connectors.column.to.point_mass": 0.045}, {"connectors.column.to.point_mass": 0.015}]
-LINKS = [6, 12, 24, 48]
+LINKS = [6, 12, 24]
 
 
 def leans(scene):
