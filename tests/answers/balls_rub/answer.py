@@ -1,14 +1,16 @@
 import numpy as np
 from answers import agree
 
-VARIED = [{"touching.balls.friction": 0.6}, {"touching.balls.restitution": 0.0, "bodies.comes.spin": [0.0, 0.0, -20.0]}]
+VARIED = [{"touching.balls.friction": 0.6, "touching.balls.static_friction": 0.6}, {"touching.balls.restitution": 0.0, "bodies.comes.spin": [0.0, 0.0, -50.0]}]
+DRAWN = VARIED[1:]
 
 
 def answer(scene):
     comes, pair, t = scene["bodies"]["comes"], scene["touching"]["balls"], scene["duration"]
     m, r, v, spin = comes["mass"], comes["shape"]["sphere"]["diameter"] / 2, comes["velocity"][0], comes["spin"][2]
     push = (1 + pair["restitution"]) * m * v / 2
-    rub = np.sign(spin) * min(pair["friction"] * push, m * r * abs(spin) / 7)
+    sticks = m * r * abs(spin) / 7
+    rub = np.sign(spin) * (sticks if sticks <= pair["static_friction"] * push else pair["friction"] * push)
     inertia = 0.4 * m * r * r
     one, other = np.array([v - push / m, -rub / m, spin - r * rub / inertia]), np.array([push / m, rub / m, -r * rub / inertia])
     # Angular momentum about the point where they touch, of each, and what passes there after it.

@@ -2,7 +2,7 @@ import numpy as np
 from answers import Rest, agree, bends_energy, forces_of_energy, gravity, in_space, tensions_at_rest
 
 VARIED = [{"connectors.rod.bending_stiffness": 2.0}, {"connectors.rod.start.points": [[-1.2001, 0.01, 0.0], [0.2999, 0.01, 0.0]]}]
-LINKS = [30, 60]
+LINKS = [30, 60, 120]
 
 
 def at_edge(scene):
