@@ -505,10 +505,21 @@ def write_case(folder, module, scene, answer=None):
     """A case as a folder of its own, with the values of the module's answer or of another."""
     answer = answer or module.answer
     scene = module.prepared(scene) if hasattr(module, "prepared") else scene
+    rows = rows_of(answer, scene)
     folder.mkdir(parents=True, exist_ok=True)
     text = "".join(f"{key} = {toml_of(value)}\n" for key, value in scene.items())
     (folder / "scene.toml").write_text(text)
-    (folder / "answer.csv").write_text(csv_of(rows_of(answer, scene)))
+    (folder / "answer.csv").write_text(csv_of(rows))
+
+
+def write_drawn(folder, module, scene, rng):
+    """A case at drawn parameters. Draws at which the answer does not hold are drawn again."""
+    for attempt in range(20):
+        try:
+            return write_case(folder, module, drawn(module, scene, rng))
+        except AssertionError:
+            if attempt == 19:
+                raise
 
 
 def compare(rows, kept):
@@ -552,7 +563,7 @@ def main():
                 seed, count, target = arguments.random
                 rng = np.random.default_rng([int(seed), *name.encode()])
                 for k in range(int(count)):
-                    write_case(pathlib.Path(target) / f"{name}_{k + 1}", module, drawn(module, scene, rng))
+                    write_drawn(pathlib.Path(target) / f"{name}_{k + 1}", module, scene, rng)
             elif arguments.links:
                 for links in getattr(module, "LINKS", []):
                     key = f"connectors.{next(iter(scene['connectors']))}.particles"

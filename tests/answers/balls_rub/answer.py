@@ -20,5 +20,5 @@ def answer(scene):
     assert abs(slips) < 1e-12 or abs(rub) < m * r * abs(spin) / 7 and slips * spin > 0
     rows = []
     for name, after in (("comes", one), ("waits", other)):
-        rows += [(t, f"{name}.vx", after[0], 1e-6), (t, f"{name}.vy", after[1], 1e-6), (t, f"{name}.wz", after[2], 1e-4)]
+        rows += [(t, f"{name}.vx", after[0], 1e-6), (t, f"{name}.vy", after[1], 1e-4), (t, f"{name}.wz", after[2], 1e-2)]
     return rows
