@@ -43,9 +43,13 @@ def forces_of_even_line(scene):
 
 
 def continuum(scene):
-    n, t = line_of(scene)[0], scene["duration"]
-    h, v, _ = forces_of_even_line(scene)
-    return [(t, f"line.{n}.hold.x", h, 1e-3 * h), (t, f"line.{n}.hold.y", v, 1e-3 * v)]
+    """The place at four fifths of the length of an even line."""
+    n, weights, anchor, _, floor = line_of(scene)
+    h, _, lies = forces_of_even_line(scene)
+    length, t = scene["connectors"]["line"]["length"], scene["duration"]
+    size, above = h / np.sum(weights) * length, 0.8 * length - lies
+    x, y = anchor[0] + lies + size * np.arcsinh(above / size), floor + np.hypot(size, above) - size
+    return [(t, f"line.{4 * n // 5}.x", x, 1e-2), (t, f"line.{4 * n // 5}.y", y, 1e-2)]
 
 
 def answer(scene):
