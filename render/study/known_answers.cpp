@@ -234,12 +234,13 @@ Quantity quantity_of(const Things& things, std::string_view name) {
       if (Quantity found = of_connector(world, at->first, at->second)) return found;
     }
   }
-  if (const auto at = named_in(world.bodies, name)) {
-    if (Quantity found = of_body(at->first, at->second)) return found;
-  }
+  // An obstacle on a path has a driven body of its name, which nothing touches.
   if (const auto at = named_in(world.obstacles, name)) {
     if (Quantity found = contact_force(Forces::Side::Kind::obstacle, at->first, at->second))
       return found;
+  }
+  if (const auto at = named_in(world.bodies, name)) {
+    if (Quantity found = of_body(at->first, at->second)) return found;
   }
   if (const auto at = named_in(world.pulleys, name); at && at->second == "passed") {
     return [p = at->first](Now& now) { return now.state.passed[p]; };

@@ -6,12 +6,15 @@
     tests/answers/answers.py --check             computes all again and compares with the files
     tests/answers/answers.py --vary FOLDER       writes every case at other parameters into FOLDER
     tests/answers/answers.py --links FOLDER      writes cases with other numbers of links, and the continuum's answers
+    tests/answers/answers.py --random 7 5 FOLDER writes every case at five draws of seed 7 into FOLDER
     tests/answers/answers.py --set connectors.rope.length=0.7 --to FOLDER pendulum
 
 A case's answer.py has a function answer(scene): the scene as tomllib reads it in, a list of rows
 (time, quantity, value, tolerance) out. It computes the values by two routes and compares them. Its
-list VARIED has changes of the scene at which it is right as well. Where links refine, continuum(scene)
-gives the answer of infinitely many, and LINKS names the numbers at which --links writes the case.
+list VARIED has changes of the scene at which it is right as well; --random draws parameters between the scene's
+and one of these changes, or of DRAWN, where not all have a middle. Where links refine, continuum(scene) gives the answer of infinitely many, and LINKS names
+the numbers at which --links writes the case. A scene whose start depends on its other numbers has it from
+prepared(scene).
 """
 
 import argparse
@@ -85,7 +88,7 @@ def integrate(f, y, times, t=0.0, tolerance=1e-12):
             if error <= 1:
                 t, y = (end if h == end - t else t + h), table[-1][-1]
             h *= min(4.0, max(0.2, 0.9 * (1 / max(error, 1e-12)) ** (1 / (2 * columns - 1))))
-            if not h > 1e-9:
+            if error > 1 and not h > 1e-9:
                 raise AssertionError(f"the integration stops at {t} s")
         states.append(y)
     return np.array(states)
@@ -214,6 +217,199 @@ class Particles:
         return y[:, :size].reshape(-1, *shape), y[:, size:].reshape(-1, *shape)
 
 
+# Chains of links that bend, at rest (Bergou and others, Discrete elastic rods, 2008).
+
+
+def bend_moment(ei, s, angle, rest=0.0):
+    """The moment of a bend of the length s, and its slope; `rest` is the curvature at rest (1/m)."""
+    tangent, squared = np.tan(angle / 2), 1 / np.cos(angle / 2) ** 2
+    c = 2 * tangent - rest * s
+    return ei / s * c * squared, ei / s * (squared**2 + c * tangent * squared)
+
+
+class Rest:
+    """A chain of equal links in a plane at rest: Newton's method on the angles of the links, with Lagrange's
+    multipliers for held places and for the floor, which only presses."""
+
+    def __init__(self, l, weights, ei=0.0, rest=0.0, start=None, clamp=None, last_clamp=None, end=None, floor=None,
+                 supports=None):
+        """weights: N, of all particles. start: the place of the first particle, without one it is loose along y.
+        clamp, last_clamp: angles. end: the place of the last particle. floor: the height of beads that lie;
+        supports: those above the floor, all without a list."""
+        # In units of a link's length and of the mean weight.
+        self.unit, self.force = l, np.mean(weights)
+        self.l, self.weights, self.ei, self.rest = 1.0, np.asarray(weights, float) / self.force, ei / (self.force * l * l), rest * l
+        self.start, self.end = (None if place is None else np.array(place) / l for place in (start, end))
+        self.clamp, self.last_clamp, self.floor = clamp, last_clamp, None if floor is None else floor / l
+        self.n = len(weights) - 1
+        self.supports = range(0 if start is None else 1, self.n + 1) if supports is None else supports
+
+    def places(self, q):
+        x0, y0 = (0.0, q[-1]) if self.start is None else self.start
+        steps = self.l * np.array([np.cos(q[: self.n]), np.sin(q[: self.n])]).T
+        return np.vstack([[x0, y0], [x0, y0] + np.cumsum(steps, axis=0)])
+
+    def bends(self):
+        """Of each bend: the links before and after, -1 for a clamp; its length."""
+        found = [(k, k + 1, self.l) for k in range(self.n - 1)]
+        if self.clamp is not None:
+            found.append((-1, 0, self.l / 2))
+        if self.last_clamp is not None:
+            found.append((self.n - 1, -1, self.l / 2))
+        return found
+
+    def slopes(self, q):
+        """Of the energy: gradient and second derivatives; and those of the heights and of x of the end."""
+        n, size, l = self.n, len(q), self.l
+        g, h = np.zeros(size), np.zeros((size, size))
+        beyond = np.cumsum(self.weights[::-1])[::-1][1:]
+        g[:n] = beyond * l * np.cos(q[:n])
+        h[range(n), range(n)] = -beyond * l * np.sin(q[:n])
+        if size > n:
+            g[n] = np.sum(self.weights)
+        for before, after, s in self.bends() if self.ei else []:
+            first = q[before] if before >= 0 else self.clamp
+            angle = (q[after] if after >= 0 else self.last_clamp) - first
+            moment, slope = bend_moment(self.ei, s, angle, self.rest)
+            for i, si in ((before, -1), (after, 1)):
+                if i < 0:
+                    continue
+                g[i] += si * moment
+                for j, sj in ((before, -1), (after, 1)):
+                    if j >= 0:
+                        h[i, j] += si * sj * slope
+        return g, h
+
+    def solve(self, q, closed):
+        """The equilibrium where `closed` are the beads on the floor: q, the forces of the floor, of the end."""
+        n, size, l = self.n, len(q), self.l
+        count = len(closed) + (0 if self.end is None else 2)
+        force = np.zeros(count)
+        for _ in range(300):
+            g, h = self.slopes(q)
+            places = self.places(q)
+            rows, gaps = np.zeros((count, size)), np.zeros(count)
+            for c in range(count):
+                is_x = self.end is not None and c == count - 2
+                k = closed[c] if c < len(closed) else n
+                if is_x:
+                    rows[c, :k] = -l * np.sin(q[:k])
+                    h[range(k), range(k)] += force[c] * l * np.cos(q[:k])
+                    gaps[c] = places[k][0] - self.end[0]
+                else:
+                    rows[c, :k] = l * np.cos(q[:k])
+                    rows[c, n:] = 1
+                    h[range(k), range(k)] += force[c] * l * np.sin(q[:k])
+                    gaps[c] = places[k][1] - (self.floor if c < len(closed) else self.end[1])
+            matrix = np.block([[h, -rows.T], [rows, np.zeros((count, count))]])
+            step = np.linalg.lstsq(matrix, -np.concatenate([g - rows.T @ force, gaps]), rcond=1e-13)[0]
+            share = min(1.0, 0.2 / max(1e-300, np.max(np.abs(step[:n]))))
+            q, force = q + share * step[:size], force + share * step[size:]
+            if np.max(np.abs(step[:size])) < 1e-12 and share == 1.0:
+                return q, force
+        raise AssertionError("the shape at rest is not found")
+
+    def find(self, q, closed=()):
+        """From the angles q (and the height of the first particle, if it is loose): places, forces of the floor by
+        bead, force that holds the end."""
+        q, closed = np.array(q, float), list(closed)
+        q[self.n:] /= self.unit
+        for _ in range(200):
+            q, force = self.solve(q, closed)
+            floor = dict(zip(closed, force))
+            low = [k for k in self.supports if self.floor is not None and k not in closed
+                   and self.places(q)[k][1] < self.floor - 1e-12]
+            if any(f < -1e-12 for f in floor.values()):
+                closed.remove(min(floor, key=floor.get))
+            elif low:
+                closed = sorted(closed + [min(low, key=lambda k: self.places(q)[k][1])])
+            else:
+                floor = {k: f * self.force for k, f in floor.items()}
+                return self.places(q) * self.unit, floor, force[len(closed):] * self.force
+        raise AssertionError("the beads that lie are not found")
+
+
+def bends_energy(x, l, ei, clamp=None, last_clamp=None, rest=0.0):
+    """The energy of all bends of links of the length l at rest, in space; `rest` as a vector or 0."""
+    edges = np.diff(x, axis=0)
+    ways = edges / np.linalg.norm(edges, axis=1)[:, None]
+    lengths = np.full(len(ways) - 1, l)
+    if clamp is not None:
+        ways, lengths = np.vstack([clamp, ways]), np.append(l / 2, lengths)
+    if last_clamp is not None:
+        ways, lengths = np.vstack([ways, last_clamp]), np.append(lengths, l / 2)
+    c = 2 * np.cross(ways[:-1], ways[1:]) / (1 + np.sum(ways[:-1] * ways[1:], axis=1))[:, None]
+    c = c - np.outer(lengths, rest * np.ones(3))
+    return np.sum(ei * np.sum(c * c, axis=1) / (2 * lengths))
+
+
+def forces_of_energy(energy, x, step=1e-6):
+    """Minus the gradient of energy(x) by central differences."""
+    forces = np.zeros_like(x)
+    for k in np.ndindex(x.shape):
+        ahead, behind = x.copy(), x.copy()
+        ahead[k] += step
+        behind[k] -= step
+        forces[k] = (energy(behind) - energy(ahead)) / (2 * step)
+    return forces
+
+
+def tensions_at_rest(x, forces, held):
+    """The tensions of rigid links with which all particles that are not held are in balance, the forces of the
+    holds, and the largest force that nothing balances (in points of space, force by force)."""
+    ways = np.diff(x, axis=0) / np.linalg.norm(np.diff(x, axis=0), axis=1)[:, None]
+    n = len(ways)
+    matrix = np.zeros(x.shape + (n,))
+    for k in range(n):
+        matrix[k, :, k], matrix[k + 1, :, k] = ways[k], -ways[k]
+    free = [k for k in range(n + 1) if k not in held]
+    tensions = np.linalg.lstsq(matrix[free].reshape(-1, n), -forces[free].ravel(), rcond=None)[0]
+    left = forces + matrix @ tensions
+    return tensions, {k: -left[k] for k in held}, np.max(np.abs(left[free]))
+
+
+def in_space(places):
+    """Places (x, y) with z = 0."""
+    return np.hstack([places, np.zeros((len(places), 1))])
+
+
+def beam_stiffness(n, l, ei, first=True, last=False):
+    """The stiffness matrix of small motions across of a straight chain of n links that bends: of the places of
+    all its particles and, where the last end has a clamp, of the clamp's angle. first: whether the first end has one."""
+    matrix = np.zeros((n + 2, n + 2))
+    links = np.zeros((n, n + 2))
+    for k in range(n):
+        links[k, k], links[k, k + 1] = -1 / l, 1 / l
+    bends = [(links[k + 1] - links[k], l) for k in range(n - 1)]
+    if first:
+        bends.append((links[0], l / 2))
+    if last:
+        turn = np.zeros(n + 2)
+        turn[-1] = 1
+        bends.append((turn - links[-1], l / 2))
+    for bend, s in bends:
+        matrix += ei / s * np.outer(bend, bend)
+    return matrix
+
+
+def swings(mass, stiffness, start, speed, times):
+    """Places and speeds of M u'' + K u = 0 at the times, by the ways to swing and by integration."""
+    root_mass = np.linalg.cholesky(mass)
+    inner = np.linalg.solve(root_mass, np.linalg.solve(root_mass, stiffness).T)
+    squares, ways = np.linalg.eigh((inner + inner.T) / 2)
+    rates = np.sqrt(np.maximum(squares, 0) + 0j)
+    back = np.linalg.solve(root_mass.T, ways)
+    a, b = back.T @ mass @ start, back.T @ mass @ speed
+    places = []
+    for t in times:
+        rises = np.where(np.abs(rates) > 0, np.sin(rates * t) / np.where(np.abs(rates) > 0, rates, 1), t)
+        places.append((back @ (a * np.cos(rates * t) + b * rises)).real)
+    n, matrix = len(start), np.linalg.solve(mass, stiffness)
+    other = integrate(lambda t, y: np.append(y[n:], -matrix @ y[:n]), np.append(start, speed), times, 0.0, 1e-11)
+    agree(np.array(places), other[:, :n], 1e-7 * (1e-9 + np.max(np.abs(other[:, :n]))))
+    return places
+
+
 # Cases.
 
 
@@ -241,6 +437,34 @@ def changed(scene, changes):
             table = table.setdefault(name, {})
         table[last] = value
     return scene
+
+
+def between(own, other, share):
+    """The value at a share of the way from one to the other; whole numbers stay whole. What has no middle is the
+    other."""
+    if isinstance(own, dict) and isinstance(other, dict) and own.keys() == other.keys():
+        return {key: between(own[key], other[key], share) for key in own}
+    if isinstance(own, list) and isinstance(other, list) and len(own) == len(other):
+        return [between(a, b, share) for a, b in zip(own, other)]
+    if any(isinstance(value, bool) or not isinstance(value, (int, float)) for value in (own, other)):
+        return copy.deepcopy(other)
+    value = own + share * (other - own)
+    return round(value) if isinstance(own, int) and isinstance(other, int) else float(value)
+
+
+def value_at(scene, key):
+    """The value of a dotted key, or None."""
+    for name in key.split("."):
+        scene = scene.get(name) if isinstance(scene, dict) else None
+    return scene
+
+
+def drawn(module, scene, rng):
+    """The scene at parameters between its own and those of one of the case's variations."""
+    among = getattr(module, "DRAWN", module.VARIED)
+    changes = among[rng.integers(len(among))]
+    share = rng.uniform()
+    return changed(scene, {key: between(value_at(scene, key), value, share) for key, value in changes.items()})
 
 
 def rows_of(answer, scene):
@@ -277,12 +501,25 @@ def toml_of(value):
     return repr(value)
 
 
-def write_case(folder, answer, scene):
-    """A case as a folder of its own."""
+def write_case(folder, module, scene, answer=None):
+    """A case as a folder of its own, with the values of the module's answer or of another."""
+    answer = answer or module.answer
+    scene = module.prepared(scene) if hasattr(module, "prepared") else scene
+    rows = rows_of(answer, scene)
     folder.mkdir(parents=True, exist_ok=True)
     text = "".join(f"{key} = {toml_of(value)}\n" for key, value in scene.items())
     (folder / "scene.toml").write_text(text)
-    (folder / "answer.csv").write_text(csv_of(rows_of(answer, scene)))
+    (folder / "answer.csv").write_text(csv_of(rows))
+
+
+def write_drawn(folder, module, scene, rng):
+    """A case at drawn parameters. Draws at which the answer does not hold are drawn again."""
+    for attempt in range(20):
+        try:
+            return write_case(folder, module, drawn(module, scene, rng))
+        except AssertionError:
+            if attempt == 19:
+                raise
 
 
 def compare(rows, kept):
@@ -308,6 +545,7 @@ def main():
     parser.add_argument("--check", action="store_true", help="compare with the files; write none")
     parser.add_argument("--vary", metavar="FOLDER", help="the cases at other parameters, into there")
     parser.add_argument("--links", metavar="FOLDER", help="the cases at other numbers of links, into there")
+    parser.add_argument("--random", metavar=("SEED", "N", "FOLDER"), nargs=3, help="the cases at N drawn parameters")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="changes")
     parser.add_argument("--to", metavar="FOLDER", help="the case with the changes of --set, there")
     arguments = parser.parse_args()
@@ -320,15 +558,20 @@ def main():
             if arguments.vary:
                 for k, changes in enumerate(module.VARIED):
                     target = pathlib.Path(arguments.vary) / f"{name}_{k + 1}"
-                    write_case(target, module.answer, changed(scene, changes))
+                    write_case(target, module, changed(scene, changes))
+            elif arguments.random:
+                seed, count, target = arguments.random
+                rng = np.random.default_rng([int(seed), *name.encode()])
+                for k in range(int(count)):
+                    write_drawn(pathlib.Path(target) / f"{name}_{k + 1}", module, scene, rng)
             elif arguments.links:
                 for links in getattr(module, "LINKS", []):
                     key = f"connectors.{next(iter(scene['connectors']))}.particles"
                     target = pathlib.Path(arguments.links) / f"{name}_{links}"
-                    write_case(target, module.continuum, changed(scene, {key: links + 1}))
+                    write_case(target, module, changed(scene, {key: links + 1}), module.continuum)
             elif arguments.to:
                 changes = dict(parsed(text) for text in arguments.changes)
-                write_case(pathlib.Path(arguments.to), module.answer, changed(scene, changes))
+                write_case(pathlib.Path(arguments.to), module, changed(scene, changes))
             elif arguments.check:
                 difference = compare(rows_of(module.answer, scene), read_csv(folder / "answer.csv"))
                 if difference:

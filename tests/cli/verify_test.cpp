@@ -48,16 +48,17 @@ TEST(Answers, AreThoseOfTheMethodAndOfTheTruth) {
       run_taut({"verify", kAnswers, "--methods", "direct,truth", "--json", "-q"});
   EXPECT_EQ(outcome.code, 0) << run_taut({"verify", kAnswers, "--failures"}).output;
   const auto json = nlohmann::json::parse(outcome.output);
-  EXPECT_GE(json.at("cases").size(), 80u);
+  EXPECT_GE(json.at("cases").size(), 110u);
   EXPECT_EQ(json.at("not_run"), 0);
   EXPECT_EQ(json.at("failures"), 0);
 }
 
-/// Verifies the variations of some cases, or of all.
-void expect_variations(std::vector<std::string> cases) {
+/// Verifies some cases, or all, as answers.py writes them with `words` and a folder.
+void expect_right(std::vector<std::string> words, const std::vector<std::string>& cases) {
   const Folder folder;
-  cases.insert(cases.begin(), {"--vary", folder.path()});
-  const ProgramResult outcome = compute(cases);
+  words.push_back(folder.path());
+  words.insert(words.end(), cases.begin(), cases.end());
+  const ProgramResult outcome = compute(words);
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
   const ProgramResult verified =
       run_taut({"verify", folder.path(), "--methods", "direct,truth", "--failures", "-q"});
@@ -65,11 +66,11 @@ void expect_variations(std::vector<std::string> cases) {
 }
 
 TEST(Answers, AreRightAtOtherParameters) {
-  expect_variations({"atwood", "atwood_friction", "catenary", "cantilever_end_load",
-                     "landing_atwood", "pendulum", "physical_pendulum", "rolling_stick",
-                     "sliding_stick", "stick_on_one_end", "stick_slips_on_floor",
-                     "stick_sticks_on_end", "stopping_stick", "swinging_atwood", "terminal_speed",
-                     "winch_lift"});
+  expect_right({"--vary"},
+               {"atwood", "atwood_friction", "catenary", "cantilever_end_load", "chain_with_load",
+                "landing_atwood", "pendulum", "physical_pendulum", "rolling_stick", "sliding_stick",
+                "stick_on_one_end", "stick_slips_on_floor", "stick_sticks_on_end", "stopping_stick",
+                "swinging_atwood", "terminal_speed", "winch_lift"});
 }
 
 // The middle of a chain of straight links approaches the catenary with the square of their length.
@@ -91,7 +92,17 @@ TEST(Answers, OfTheContinuumAreApproachedByLinks) {
 }
 
 TEST(LongAnswers, AllAreRightAtOtherParameters) {
-  expect_variations({});
+  expect_right({"--vary"}, {});
+}
+
+TEST(Answers, AreRightAtDrawnParameters) {
+  expect_right({"--random", "7", "2"},
+               {"ball_clamped_on_rod", "curved_rod_bends", "helical_rod", "mooring_line",
+                "oblique_bounce", "twisted_ring", "winch_over_pulleys"});
+}
+
+TEST(LongAnswers, AllAreRightAtDrawnParameters) {
+  expect_right({"--random", "11", "5"}, {});
 }
 
 // A program whose forces, contacts, materials or schemes were off by so much would be seen: the
@@ -110,6 +121,10 @@ TEST(Answers, SeeFaultsOfOneInAHundred) {
            Fault{"damped_spring", "axial_damping = 0.5", "axial_damping = 0.505"},    // damping
            Fault{"clamped_rod_swings", "bending_stiffness = 0.05", "bending_stiffness = 0.0505"},
            Fault{"twisted_rod", "twisting_stiffness = 0.015", "twisting_stiffness = 0.01515"},
+           Fault{"damped_rod", "bending_damping = 0.006", "bending_damping = 0.00606"},
+           Fault{"atwood_bearing", "bearing = 0.1", "bearing = 0.101"},
+           Fault{"balls_rub", "\nfriction = 0.15", "\nfriction = 0.1515"},
+           Fault{"bar_slides_on_beam", "friction = 0.3", "friction = 0.303"},
            Fault{"pendulum_in_wind", "across = 1.1", "across = 1.111"},     // air
            Fault{"atwood_friction", "friction = 0.2", "friction = 0.202"},  // pulleys
            Fault{"winch_lift", "paid_out = -1.1", "paid_out = -1.111"},     // winches

@@ -186,6 +186,7 @@ class Finder {
   bool is_in_balance(double h) {
     const Mechanism& mechanism = step_.mechanism();
     double most = 0, off = 0;
+    for (const double tension : half_.tension) most = std::max(most, std::abs(tension));
     double fastest = length_scale(world_) / std::pow(shortest_time(), 2);  // m/s^2
     for (std::size_t p = 0; p < mechanism.points(); ++p) {
       if (!(mechanism.inverse_mass()[p] > 0)) continue;

@@ -1497,6 +1497,25 @@ double ImplicitStep::energy_of(const std::vector<double>& one,
   return twice / 2;
 }
 
+/// Gives kinetic friction to the contacts that static friction does not hold through an impact;
+/// whether there are any.
+bool ImplicitStep::let_impacts_slide() {
+  constexpr double kAtBound = 1e-6;  // of Coulomb's bound, to which solutions have rounding
+  bool any = false;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    Contact& contact = contacts_[c];
+    const Candidate& of = touches_.candidates()[contact.candidate];
+    if (!contact.sticks || of.stick == of.slide) continue;
+    const Vec3 impulse = vec(&unknown_[first_contact_ + 3 * c]), &normal = meetings_[c].normal;
+    const double push = impulse.dot(normal);
+    if (!(push > 0) || (impulse - push * normal).norm() < (1 - kAtBound) * of.stick * push)
+      continue;
+    contact.sticks = false;
+    any = true;
+  }
+  return any;
+}
+
 /// Velocities after the impacts of a moment. Where Newton's restitution would gain energy, as it
 /// may where an impact is felt by others through links and friction, the impact goes with the share
 /// of what is thrown back that makes none.
@@ -1505,9 +1524,12 @@ bool ImplicitStep::jump(StepState& to, std::span<const double> before) {
   start_at(to);
   gather(before, wanted_);
   const auto solve_impact = [&] {
-    std::ranges::copy(wanted_, unknown_.begin());
-    std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
-    return solve(problem);
+    for (;;) {
+      std::ranges::copy(wanted_, unknown_.begin());
+      std::fill(unknown_.begin() + static_cast<std::ptrdiff_t>(first_link_), unknown_.end(), 0.0);
+      if (!solve(problem)) return false;
+      if (!let_impacts_slide()) return true;
+    }
   };
   if (!solve_impact()) return false;
   const auto is_asked = [](double speed) { return speed > 0; };

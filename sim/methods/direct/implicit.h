@@ -230,6 +230,7 @@ class ImplicitStep {
   void start_projection(const StepState& at, const Problem& problem);
   Vec3 direction(const Link& link) const;
   double held_rate(const Link& link) const;
+  bool let_impacts_slide();
   bool jump(StepState& to, std::span<const double> before);
   double energy_of(const std::vector<double>& one, const std::vector<double>& other) const;
   void find_contacts(const StepState& at, double touching, std::vector<Contact>& contacts);

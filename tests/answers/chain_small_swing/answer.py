@@ -1,7 +1,28 @@
 import numpy as np
-from answers import agree, frames, gravity
+from answers import agree, frames, gravity, root
 
 VARIED = [{"connectors.chain.particles": 6}, {"connectors.chain.length": 0.3, "duration": 1.0}]
+
+LINKS = [8, 16, 32, 64]
+
+
+def bessel(order, x):
+    """J of the order 0 or 1, by its integral, which the trapezoid rule has exactly for small x."""
+    turns = 2 * np.pi * np.arange(256) / 256
+    return np.mean(np.cos(order * turns - x * np.sin(turns)))
+
+
+def continuum(scene):
+    """The end of a hanging chain (Daniel Bernoulli, 1733): ways J0(j sqrt(z/L)) by the distance z from the end,
+    with the zeros j of J0 and w = j/2 sqrt(g/L); the straight chain is sum 8/(j^3 J1(j)) of them."""
+    chain = scene["connectors"]["chain"]
+    length, d = chain["length"], np.array(chain["start"]["direction"])
+    zeros = np.array([root(lambda x: bessel(0, x), (k - 0.5) * np.pi, (k + 0.0) * np.pi) for k in range(1, 31)])
+    shares = np.array([8 / (j**3 * bessel(1, j)) for j in zeros])
+    agree(np.sum(shares), 1, 1e-3)
+    rates = zeros / 2 * np.sqrt(-gravity(scene)[1] / length)
+    return [(t, f"chain.{chain['particles'] - 1}.x", length * d[0] / np.linalg.norm(d) * (shares @ np.cos(rates * t)), 1e-5)
+            for t in frames(scene)]
 
 
 def answer(scene):

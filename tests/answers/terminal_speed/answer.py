@@ -2,6 +2,7 @@ import numpy as np
 from answers import agree, frames, gravity, integrate
 
 VARIED = [{"air.density": 30.0}, {"connectors.rope.start.points": [[0.0, 2.0, 0.0], [0.0, 3.0, 0.0]]}]
+DRAWN = [{"air.density": 30.0}, {"connectors.rope.mass": 1.0}]
 
 
 def answer(scene):
