@@ -223,7 +223,7 @@ void add_verify(CLI::App& app, program::Program& program) {
   taut verify --methods direct,truth,xpbd
   taut verify --methods direct --set tolerance=1e-6 --page verify.html --csv verify.csv
   taut verify --methods direct,springs --converge --cap 1 --chart costs
-  taut verify --methods direct --engine ode=tests/answers/engines/ode_adapter.py --cap 2
+  taut verify --methods direct --engine 'ode=tests/answers/engines/rigid_adapter.py ode' --cap 2
 
 A case is a folder with scene.toml and answer.csv: rows of time,quantity,value,tolerance, from
 theory. A method passes if every error is within its tolerance. Exit code 1: a method fails.

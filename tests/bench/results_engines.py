@@ -3,7 +3,7 @@ import json
 import math
 
 from markdown_tables import cells, digits, first_table, markdown
-from results_tables import STUDY, Failed, keep, result
+from results_tables import STUDY, Failed, keep, result, verified
 
 
 @result("engines", STUDY)
@@ -108,3 +108,36 @@ def nets(work):
     return costs_and_nearest(json.loads(work.run(
         "taut_engines work-precision tests/bench/engines/net.toml --methods direct,springs,xpbd,bullet-net,mujoco-net,ode-net "
         "--budget 100 --errors 0.01,0.001,0.0001 --json")))
+
+
+@result("answers-engines", STUDY)
+def answers_engines(work):
+    """the known answers by other engines, each at its best step"""
+    names = {"direct": "`direct`", "ode": "ODE", "bullet": "Bullet", "mujoco": "MuJoCo", "simbody": "Simbody"}
+    engines = [name for name in names if name != "direct"]
+    versions = work.run("dpkg-query -W -f '${Version} ' " + " ".join(f"lib{name}-dev" for name in engines)).split()
+    told = verified(work, "taut verify --methods direct " + " ".join(
+        f"--engine '{name}=tests/answers/engines/rigid_adapter.py {name}'" for name in engines) + " --cap 0.3 --json -q")
+    broken = {one["reason"] for case in told.values() for one in case.values() if one["verdict"] == "broken"}
+    if broken:
+        raise Failed("; ".join(sorted(broken)))
+
+    def cell(one):
+        if one["verdict"] in ("not run", "passes"):
+            return one["verdict"].replace("not run", "")
+        least = one.get("least_error")
+        return one["verdict"] if least is None else f"{digits(100 * least, 2)}%"
+
+    total = [["engine", "version", "expresses", "passes", "within 0.1%", "within 1%"]]
+    for name, version in zip(engines, versions):
+        ran = [case[name] for case in told.values() if case[name]["verdict"] != "not run"]
+        near = [sum(one["verdict"] == "passes" or (one["least_error"] or math.inf) <= error for one in ran) for error in (1e-3, 1e-2)]
+        total.append([names[name], version, len(ran), sum(one["verdict"] == "passes" for one in ran), *near])
+    passes = sum(case["direct"]["verdict"] == "passes" for case in told.values())
+    total.append(["`direct`", "", len(told), passes, "", ""])
+    rows = [["case", *names.values(), "cannot express"]]
+    for name, case in told.items():
+        reasons = {case[engine]["reason"].removeprefix("cannot express: ") for engine in engines
+                   if case[engine]["verdict"] == "not run"}
+        rows.append([name, *(cell(case[method]) for method in names), "; ".join(sorted(reasons))])
+    return markdown(total, (2, 3, 4, 5)) + "\n" + markdown(rows, ())

@@ -101,9 +101,9 @@ std::filesystem::path program_of(const std::string& word) {
   return {};
 }
 
-const std::set<std::string> kOfTheSystem{"apt-get", "cmake", "ctest",           "du",
-                                         "ffmpeg",  "git",   "gnuplot",         "make",
-                                         "mkdir",   "ninja", "/usr/bin/python3"};
+const std::set<std::string> kOfTheSystem{"apt-get", "cmake",  "ctest", "dpkg-query",
+                                         "du",      "ffmpeg", "git",   "gnuplot",
+                                         "make",    "mkdir",  "ninja", "/usr/bin/python3"};
 
 bool is_preset(const std::string& name) {
   const auto json = nlohmann::json::parse(read_file(kSource / "CMakePresets.json"));

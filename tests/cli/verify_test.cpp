@@ -296,10 +296,13 @@ TEST(Engine, TheExampleIsAnAdapter) {
   expect_adapter("example.py", "elastic_pendulum");
 }
 
-TEST(Engine, OdeHasAnAdapter) {
-  if (Child({"/usr/bin/python3", "-c", "import ode"}, TAUT_SOURCE_DIR).wait().code != 0)
-    GTEST_SKIP() << "python3-pyode is not installed";
-  expect_adapter("ode_adapter.py", "stick_slips_on_floor");
+// ODE is always there. Rods in a loop, springs, contacts of a stick with friction.
+TEST(Engine, RigidBodiesHaveAnAdapter) {
+  const std::string program =
+      (std::filesystem::path(TAUT_PROGRAM).parent_path() / "taut_rigid").string();
+  for (const char* of : {"four_bar", "damped_spring", "stick_slips_on_floor", "rolling_ball"}) {
+    expect_adapter("rigid_adapter.py ode " + program, of);
+  }
 }
 
 // xpbd is of first order in its step, dynamic-constraints of its fourth; errors cost the more the

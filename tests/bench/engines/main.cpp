@@ -17,7 +17,6 @@ int main(int argc, char** argv) {
   add_method(engines::ode_method());
   add_method(engines::ode_net_method());
 #endif
-  constexpr program::AddCommand kCommands[] = {cli::add_work_precision, cli::add_chart,
-                                               cli::add_verify};
+  constexpr program::AddCommand kCommands[] = {cli::add_work_precision, cli::add_chart};
   return program::run_program(argc, argv, kCommands);
 }
