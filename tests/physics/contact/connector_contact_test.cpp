@@ -63,16 +63,6 @@ double off_the_slope(const World& start, const World& end, double friction, doub
   return (middle(end.connectors[1]) - middle(start.connectors[1]) - slides * down).norm();
 }
 
-TEST(ConnectorContact, ABarSlidesDownABeamAsOnASlope) {
-  constexpr double kTime = 0.4;
-  for (const double friction : {0.0, 0.3, 0.7}) {
-    const World world = bar_across_a_beam(friction);
-    const World end = run(world, kTime);
-    EXPECT_LT(off_the_slope(world, end, friction, kTime), 2e-6) << friction;
-    EXPECT_LT(contact::penetration_max(end), 1e-7);
-  }
-}
-
 TEST(ConnectorContact, RodsThatMeetInTheMiddleDivideTheSpeedByNewtonsLaw) {
   for (const double restitution : {0.0, 0.6, 1.0}) {
     World world;

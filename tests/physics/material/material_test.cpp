@@ -33,7 +33,7 @@ double growth(double share_of_critical) {
 }
 
 // (EI + damping s) k^2 = P for a bow that goes as exp(s t): s = P / P_critical - 1 here.
-TEST(Column, BucklesWhereEulerSays) {
+TEST(LongColumn, BucklesWhereEulerSays) {
   const double below = growth(0.98), above = growth(1.02);
   EXPECT_LT(below, 0);
   EXPECT_GT(above, 0);

@@ -303,7 +303,7 @@ double critical_share(std::size_t sides) {
 
 // A ring of a straight rod leaves its plane at a twist of 2 pi sqrt(3) EI/GJ (Michell 1889; Zajac,
 // Stability of two planar loop elasticas, 1962), of second order in the links.
-TEST(Twist, RingsBuckleWhereMichellSays) {
+TEST(LongTwist, RingsBuckleWhereMichellSays) {
   const double coarse = critical_share(20) - 1, fine = critical_share(40) - 1;
   EXPECT_NEAR(coarse / fine, 4, 0.2);
   EXPECT_NEAR(fine - (coarse - fine) / 3, 0, 1e-3);
