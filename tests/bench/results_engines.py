@@ -118,10 +118,6 @@ def answers_engines(work):
     versions = work.run("dpkg-query -W -f '${Version} ' " + " ".join(f"lib{name}-dev" for name in engines)).split()
     told = verified(work, "taut verify --methods direct " + " ".join(
         f"--engine '{name}=tests/answers/engines/rigid_adapter.py {name}'" for name in engines) + " --cap 0.3 --json -q")
-    broken = {one["reason"] for case in told.values() for one in case.values() if one["verdict"] == "broken"}
-    if broken:
-        raise Failed("; ".join(sorted(broken)))
-
     def cell(one):
         if one["verdict"] in ("not run", "passes"):
             return one["verdict"].replace("not run", "")
