@@ -2,6 +2,8 @@
 // that the methods give them, and that faults are seen.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/folder.h"
@@ -36,9 +38,25 @@ fs::path write_case(const Folder& folder, const std::string& scene, const std::s
   return folder.path() / "case";
 }
 
-TEST(Answers, AreWhatTheirProgramsCompute) {
-  const ProgramResult outcome = compute({"--check"});
+/// Whether every `apart`-th case has the answers that its program computes.
+void expect_computed(std::size_t apart) {
+  std::vector<std::string> cases;
+  for (const auto& entry : fs::directory_iterator(kAnswers)) {
+    if (fs::exists(entry.path() / "answer.py")) cases.push_back(entry.path().filename());
+  }
+  std::ranges::sort(cases);
+  ASSERT_GE(cases.size(), 110u);
+  std::vector<std::string> words{"--check"};
+  for (std::size_t i = 0; i < cases.size(); i += apart) words.push_back(cases[i]);
+  const ProgramResult outcome = compute(words);
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
+}
+
+TEST(Answers, OfEveryEighthCaseAreWhatItsProgramComputes) {
+  expect_computed(8);
+}
+TEST(LongAnswers, AreWhatTheirProgramsCompute) {
+  expect_computed(1);
 }
 
 // By the method and by the truth, which shares neither equations of motion nor solvers with it.
@@ -65,14 +83,6 @@ void expect_right(std::vector<std::string> words, const std::vector<std::string>
   EXPECT_EQ(verified.code, 0) << verified.output;
 }
 
-TEST(Answers, AreRightAtOtherParameters) {
-  expect_right({"--vary"},
-               {"atwood", "atwood_friction", "catenary", "cantilever_end_load", "chain_with_load",
-                "landing_atwood", "pendulum", "physical_pendulum", "rolling_stick", "sliding_stick",
-                "stick_on_one_end", "stick_slips_on_floor", "stick_sticks_on_end", "stopping_stick",
-                "swinging_atwood", "terminal_speed", "winch_lift"});
-}
-
 // The middle of a chain of straight links approaches the catenary with the square of their length.
 TEST(Answers, OfTheContinuumAreApproachedByLinks) {
   const Folder folder;
@@ -97,8 +107,7 @@ TEST(LongAnswers, AllAreRightAtOtherParameters) {
 
 TEST(Answers, AreRightAtDrawnParameters) {
   expect_right({"--random", "7", "2"},
-               {"ball_clamped_on_rod", "curved_rod_bends", "helical_rod", "mooring_line",
-                "oblique_bounce", "twisted_ring", "winch_over_pulleys"});
+               {"helical_rod", "oblique_bounce", "twisted_ring", "winch_over_pulleys"});
 }
 
 TEST(LongAnswers, AllAreRightAtDrawnParameters) {
@@ -296,11 +305,11 @@ TEST(Engine, TheExampleIsAnAdapter) {
   expect_adapter("example.py", "elastic_pendulum");
 }
 
-// ODE is always there. Rods in a loop, springs, contacts of a stick with friction.
+// ODE is always there. Rods in a loop, contacts of a stick with friction.
 TEST(Engine, RigidBodiesHaveAnAdapter) {
   const std::string program =
       (std::filesystem::path(TAUT_PROGRAM).parent_path() / "taut_rigid").string();
-  for (const char* of : {"four_bar", "damped_spring", "stick_slips_on_floor", "rolling_ball"}) {
+  for (const char* of : {"four_bar", "stick_slips_on_floor"}) {
     expect_adapter("rigid_adapter.py ode " + program, of);
   }
 }
