@@ -115,7 +115,7 @@ def answers_engines(work):
     """the known answers by other engines, each at its best step"""
     names = {"direct": "`direct`", "ode": "ODE", "bullet": "Bullet", "mujoco": "MuJoCo", "simbody": "Simbody"}
     engines = [name for name in names if name != "direct"]
-    versions = work.run("dpkg-query -W -f '${Version} ' " + " ".join(f"lib{name}-dev" for name in engines)).split()
+    versions = [work.run(f"dpkg-query -W -f '${{Version}}' lib{name}-dev") for name in engines]
     told = verified(work, "taut verify --methods direct " + " ".join(
         f"--engine '{name}=tests/answers/engines/rigid_adapter.py {name}'" for name in engines) + " --cap 0.3 --json -q")
     def cell(one):
