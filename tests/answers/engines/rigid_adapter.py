@@ -451,6 +451,8 @@ def main():
         return 1
     done = subprocess.run([program, engine], input=model, capture_output=True, text=True, check=False)
     sys.stderr.write(done.stderr)
+    if done.returncode < 0:  # the limit of CPU time reaches the engine first: end as it did
+        os.kill(os.getpid(), -done.returncode)
     if done.returncode != 0 or done.stdout.startswith("cannot express: "):
         print(done.stdout, end="")
         return 1 if done.returncode != 0 else 0
